@@ -1,0 +1,56 @@
+//! Triangle meshes.
+
+use glam::{Vec2, Vec3, Vec4};
+
+/// An indexed triangle mesh with one material, in its own object space.
+///
+/// Every per-vertex list is empty or as long as `positions`. Front faces wind counter-clockwise.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// For messages and id images.
+    pub name: String,
+    /// Vertex positions, m.
+    pub positions: Vec<Vec3>,
+    /// Shading normals, unit length. Never empty after import: faceted ones are made where a file has none (vertices unshared).
+    pub normals: Vec<Vec3>,
+    /// Tangents (xyz unit, w = ±1: bitangent = w · normal × tangent). Empty unless a material needs them.
+    pub tangents: Vec<Vec4>,
+    /// Texture coordinates, set 0 and set 1; v down, as in glTF.
+    pub uvs: [Vec<Vec2>; 2],
+    /// Vertex colours, linear RGBA, multiplied with the base colour.
+    pub colors: Vec<Vec4>,
+    /// Three vertex indices a triangle.
+    pub indices: Vec<[u32; 3]>,
+    /// Index into [`Scene::materials`](crate::Scene::materials).
+    pub material: usize,
+    /// Joints and weights of each vertex; empty when the mesh is not skinned.
+    pub skin_weights: Vec<SkinWeights>,
+    /// Displacements blended by the weights of the node.
+    pub morph_targets: Vec<MorphTarget>,
+    /// Default weight of each morph target.
+    pub morph_weights: Vec<f32>,
+}
+
+/// Up to eight joints of one vertex (two glTF sets); unused entries have weight 0. Weights sum to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SkinWeights {
+    /// Indices into [`Skin::joints`](crate::Skin::joints).
+    pub joints: [u16; 8],
+    /// Weights of the joints.
+    pub weights: [f32; 8],
+}
+
+/// Displacements added to the vertices, each list empty or one entry a vertex.
+#[derive(Clone, Debug, Default)]
+pub struct MorphTarget {
+    /// Added to positions.
+    pub positions: Vec<Vec3>,
+    /// Added to normals (then normalised).
+    pub normals: Vec<Vec3>,
+    /// Added to the xyz of tangents.
+    pub tangents: Vec<Vec3>,
+    /// Added to texture coordinates.
+    pub uvs: [Vec<Vec2>; 2],
+    /// Added to vertex colours.
+    pub colors: Vec<Vec4>,
+}

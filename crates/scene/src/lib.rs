@@ -4,8 +4,10 @@
 //! A [`Scene`] is plain data with indices between flat lists; nothing in it knows a renderer. Whatever an importer ignores or
 //! replaces is on [`Scene::ignored`], never dropped silently.
 
+mod error;
 pub mod model;
 mod snapshot;
 
+pub use error::SceneError;
 pub use model::*;
 pub use snapshot::{Instance, PlacedCamera, PlacedLight, Snapshot};

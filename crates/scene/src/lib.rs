@@ -5,6 +5,7 @@
 //! replaces is on [`Scene::ignored`], never dropped silently.
 
 mod error;
+pub mod framing;
 pub mod model;
 mod snapshot;
 

@@ -13,6 +13,8 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Shading normals, unit length. Never empty after import: faceted ones are made where a file has none (vertices unshared).
     pub normals: Vec<Vec3>,
+    /// True where the normals were made, one a face, because a file has none: a deformed mesh then gets them anew.
+    pub faceted: bool,
     /// Tangents (xyz unit, w = ±1: bitangent = w · normal × tangent). Empty unless a material needs them.
     pub tangents: Vec<Vec4>,
     /// Texture coordinates, set 0 and set 1; v down, as in glTF.
@@ -29,6 +31,23 @@ pub struct Mesh {
     pub morph_targets: Vec<MorphTarget>,
     /// Default weight of each morph target.
     pub morph_weights: Vec<f32>,
+}
+
+impl Mesh {
+    /// Makes [`Mesh::normals`] those of the faces. Each vertex belongs to one triangle (the last that names it wins); a triangle without area
+    /// gets +z.
+    pub fn make_faceted_normals(&mut self) {
+        self.normals.clear();
+        self.normals.resize(self.positions.len(), Vec3::Z);
+        for triangle in &self.indices {
+            let [a, b, c] = triangle.map(|vertex| self.positions[vertex as usize]);
+            let normal = (b - a).cross(c - a).normalize_or(Vec3::Z);
+            for &vertex in triangle {
+                self.normals[vertex as usize] = normal;
+            }
+        }
+        self.faceted = true;
+    }
 }
 
 /// Up to eight joints of one vertex (two glTF sets); unused entries have weight 0. Weights sum to 1.

@@ -39,8 +39,10 @@ pub struct Scene {
     pub images: Vec<Arc<TextureImage>>,
     /// Skins, indexed by [`Node::skin`].
     pub skins: Vec<Skin>,
-    /// Animations; all of them play together (see [`Snapshot`] for how one is chosen).
+    /// Animations, of which one plays.
     pub animations: Vec<Animation>,
+    /// Index of the animation that plays, all its channels together; the first unless changed. Past the end, nothing moves.
+    pub animation: usize,
     /// Lights, placed by the nodes that name them. Emissive meshes are lights too, but live in [`Scene::meshes`].
     pub lights: Vec<Light>,
     /// Cameras, placed by the nodes that name them.

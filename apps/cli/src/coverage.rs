@@ -103,7 +103,8 @@ mod tests {
             if row.status == Status::Partial && row.note.is_empty() {
                 faults.push(format!("{} is partial and does not say what is missing", row.id));
             }
-            faults.extend(row.tests.iter().filter(|t| !tests.contains(*t)).map(|t| format!("{} names `{t}`, which does not exist", row.id)));
+            faults
+                .extend(row.tests.iter().filter(|t| !tests.contains(*t)).map(|t| format!("{} names `{t}`, which does not exist", row.id)));
         }
         faults
     }

@@ -1,0 +1,383 @@
+//! The words of the command line. Names and flags are a contract: add, do not rename.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::UVec2;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// Renders a scene with real-time lighting techniques, shows how wrong each is against a path-traced reference, and what it costs.
+#[derive(Debug, Parser)]
+#[command(name = "kajo", version, propagate_version = true, arg_required_else_help = true)]
+pub struct Kajo {
+    /// What every command takes.
+    #[command(flatten)]
+    pub common: Common,
+    /// The command.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What every command takes.
+#[derive(Debug, Args)]
+pub struct Common {
+    /// Print the result as JSON on stdout
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// No progress, no notes; errors only
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render an image of a scene
+    Render(Box<Render>),
+    /// Compare techniques with the path-traced reference and write a report
+    Compare(Box<Compare>),
+    /// Show what a scene contains and what of it is ignored
+    Info(Info),
+    /// List the built-in scenes
+    Scenes,
+    /// List the techniques, or show one with its parameters
+    Techniques {
+        /// Technique id, e.g. shadow/map
+        id: Option<String>,
+    },
+    /// Measure how an image differs from a reference
+    Metrics(Metrics),
+    /// List the requirements and how far each is
+    Coverage {
+        /// Only rows in this state
+        #[arg(long, value_parser = ["done", "partial", "todo"])]
+        status: Option<String>,
+    },
+    /// List the GPU adapters and what they can do
+    Devices {
+        /// One line an adapter, fields separated by tabs; nothing and exit code 0 without any
+        #[arg(long)]
+        plain: bool,
+    },
+}
+
+/// `kajo render`.
+#[derive(Debug, Args)]
+pub struct Render {
+    /// A .gltf, .glb, .obj or .kajo.toml file, or builtin:NAME
+    pub scene: String,
+    /// Image to write; the ending chooses the format: .png, .exr or .hdr
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Path-traced reference on the CPU, or the real-time renderer on a GPU adapter
+    #[arg(long, value_enum, default_value = "reference")]
+    pub renderer: RendererChoice,
+    /// Image size; 720 rows in the camera's shape if not given
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
+    /// Stop after this many samples per pixel [default: 64]
+    #[arg(long, value_name = "N", group = "stop", value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Stop after this time
+    #[arg(long, value_name = "SECONDS", group = "stop", value_parser = positive)]
+    pub time: Option<f64>,
+    /// Stop when the relative standard error of the image is below this
+    #[arg(long, value_name = "RELERR", group = "stop", value_parser = positive)]
+    pub noise: Option<f64>,
+    /// Camera, environment, time and animation
+    #[command(flatten)]
+    pub view: View,
+    /// Path tracing settings
+    #[command(flatten)]
+    pub tracing: Tracing,
+    /// Further images in the same EXR, e.g. direct,albedo,visibility.Lamp; `all` for every one
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub aov: Vec<String>,
+    /// What to estimate
+    #[arg(long, value_enum, default_value = "path")]
+    pub integrator: IntegratorChoice,
+    /// Technique for a role of the real-time renderer, with parameters
+    #[arg(long, value_name = "ROLE=ID[:param=value,…]")]
+    pub technique: Vec<String>,
+    /// Frame numbers of a sequence, both inclusive; writes NAME.0001.png and so on
+    #[arg(long, value_name = "A..B", conflicts_with_all = ["frame", "checkpoint"])]
+    pub frames: Option<FrameRange>,
+    /// Frames per second of --frames
+    #[arg(long, value_name = "N", default_value = "30", value_parser = positive)]
+    pub fps: f64,
+    /// Keep the unfinished state here, so that --resume can go on
+    #[arg(long, value_name = "FILE")]
+    pub checkpoint: Option<PathBuf>,
+    /// Go on from the checkpoint
+    #[arg(long, requires = "checkpoint")]
+    pub resume: bool,
+    /// Write time, samples, rays and error as JSON
+    #[arg(long, value_name = "FILE.json")]
+    pub stats: Option<PathBuf>,
+    /// Exposure in stops, or `auto` (middle grey for the average) [default: the scene's own, else auto]; .png only
+    #[arg(long, value_name = "STOPS|auto", allow_hyphen_values = true)]
+    pub exposure: Option<ExposureChoice>,
+    /// Curve from scene to display; .png only
+    #[arg(long, value_enum, default_value = "pbr-neutral")]
+    pub tone_map: ToneMapChoice,
+}
+
+/// What is seen: shared by render and compare.
+#[derive(Debug, Args)]
+pub struct View {
+    /// Camera by name or index
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub camera: Option<String>,
+    /// Latitude-longitude environment (.hdr, .exr, .png) that replaces the scene's
+    #[arg(long, value_name = "FILE")]
+    pub env: Option<PathBuf>,
+    /// Time of the animation, s
+    #[arg(long, value_name = "T", default_value = "0", value_parser = finite)]
+    pub frame: f64,
+    /// Animation by name or index [default: the first]
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub animation: Option<String>,
+}
+
+/// How light paths are sampled: shared by render and compare.
+#[derive(Debug, Args)]
+pub struct Tracing {
+    /// Longest path, in surface bounces; 1 is direct light
+    #[arg(long, value_name = "N", default_value = "16", value_parser = clap::value_parser!(u32).range(0..=10_000))]
+    pub max_depth: u32,
+    /// No Russian roulette
+    #[arg(long)]
+    pub no_rr: bool,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub seed: u64,
+    /// Worker threads [default: all]; does not change the result
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Random numbers
+    #[arg(long, value_enum, default_value = "sobol")]
+    pub sampler: SamplerChoice,
+    /// Reconstruction filter
+    #[arg(long, value_enum, default_value = "blackman-harris")]
+    pub filter: FilterChoice,
+}
+
+/// `kajo compare`.
+#[derive(Debug, Args)]
+pub struct Compare {
+    /// Scenes: .gltf, .glb, .obj or .kajo.toml files, or builtin:NAME
+    #[arg(required = true, num_args = 1..)]
+    pub scenes: Vec<String>,
+    /// Folder of the report: index.html, report.json, table.csv and images
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Roles to compare, separated by commas [default: every role that has techniques]
+    #[arg(long, value_name = "ROLE", value_delimiter = ',')]
+    pub role: Vec<String>,
+    /// Techniques to compare, with parameters; may be given several times
+    #[arg(long, value_name = "ID[:param=value,…]")]
+    pub technique: Vec<String>,
+    /// Every technique of the roles (what happens without --technique, too)
+    #[arg(long, conflicts_with = "technique")]
+    pub all: bool,
+    /// Image size; 720 rows in the camera's shape if not given
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
+    /// Samples per pixel of the reference [default: 256]
+    #[arg(long, value_name = "N", group = "reference", value_parser = clap::value_parser!(u32).range(1..))]
+    pub reference_spp: Option<u32>,
+    /// Relative standard error at which the reference stops
+    #[arg(long, value_name = "E", group = "reference", value_parser = positive)]
+    pub reference_noise: Option<f64>,
+    /// Timed frames of each technique
+    #[arg(long, value_name = "N", default_value = "10", value_parser = clap::value_parser!(u32).range(1..))]
+    pub frames: u32,
+    /// Repeats with other seeds, which split the error into bias and noise
+    #[arg(long, value_name = "N", default_value = "4", value_parser = clap::value_parser!(u32).range(1..))]
+    pub repeat: u32,
+    /// Recommend the lowest error below this cost
+    #[arg(long, value_name = "X", value_parser = positive)]
+    pub budget_ms: Option<f64>,
+    /// Camera, environment, time and animation
+    #[command(flatten)]
+    pub view: View,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub seed: u64,
+    /// Worker threads of the reference [default: all]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+/// `kajo info`.
+#[derive(Debug, Args)]
+pub struct Info {
+    /// A .gltf, .glb, .obj or .kajo.toml file, or builtin:NAME
+    pub scene: String,
+}
+
+/// `kajo metrics`.
+#[derive(Debug, Args)]
+pub struct Metrics {
+    /// The image to judge (.exr, .hdr, .png, .jpg)
+    pub image: PathBuf,
+    /// What it should be
+    pub reference: PathBuf,
+    /// Write the FLIP error map here (.png)
+    #[arg(long, value_name = "FILE.png")]
+    pub heatmap: Option<PathBuf>,
+}
+
+/// The two renderers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the words say it")]
+pub enum RendererChoice {
+    Reference,
+    Realtime,
+}
+
+/// What the path tracer estimates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum IntegratorChoice {
+    /// All light transport
+    Path,
+    /// Direct light only
+    Direct,
+    /// Ambient occlusion
+    Ao,
+    /// All light transport, found by BSDF sampling alone (slow; checks `path`)
+    BsdfOnly,
+}
+
+/// Random number sequences.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SamplerChoice {
+    /// Owen-scrambled Sobol points
+    Sobol,
+    /// Sobol points ordered so that the error looks like blue noise
+    BlueNoise,
+    /// Independent uniform numbers
+    Independent,
+}
+
+/// Reconstruction filters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the field's names")]
+pub enum FilterChoice {
+    Box,
+    Tent,
+    Gaussian,
+    BlackmanHarris,
+    /// The pixel's centre only, as a rasteriser without anti-aliasing samples it
+    Center,
+}
+
+/// Tone maps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ToneMapChoice {
+    /// Khronos PBR Neutral: keeps base colours
+    PbrNeutral,
+    /// AgX: film-like, keeps detail in highlights
+    Agx,
+    /// ACES filmic, fit by Hill
+    Aces,
+    /// Clamp only
+    Linear,
+}
+
+/// `auto` or stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ExposureChoice {
+    /// From the image.
+    Auto,
+    /// Image value = radiance × 2^stops.
+    Stops(f32),
+}
+
+impl FromStr for ExposureChoice {
+    type Err = String;
+    fn from_str(word: &str) -> Result<Self, String> {
+        if word == "auto" {
+            return Ok(Self::Auto);
+        }
+        let stops = finite(word)?;
+        if stops.abs() > 100.0 { Err("expected -100 to 100 stops, or `auto`".into()) } else { Ok(Self::Stops(stops as f32)) }
+    }
+}
+
+/// Largest image side, px.
+const MAX_SIDE: u32 = 16_384;
+
+/// An image size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size(pub UVec2);
+
+impl FromStr for Size {
+    type Err = String;
+    fn from_str(word: &str) -> Result<Self, String> {
+        let sides = word.split_once(['x', 'X', '×']).and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
+        let (width, height): (u32, u32) = sides.ok_or("expected WIDTHxHEIGHT in pixels, e.g. 1280x720")?;
+        if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+            return Err(format!("each side must be 1 to {MAX_SIDE} px"));
+        }
+        Ok(Self(UVec2::new(width, height)))
+    }
+}
+
+/// Frame numbers, both ends inclusive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameRange {
+    /// First frame.
+    pub first: u32,
+    /// Last frame.
+    pub last: u32,
+}
+
+impl FromStr for FrameRange {
+    type Err = String;
+    fn from_str(word: &str) -> Result<Self, String> {
+        let ends = word.split_once("..").and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)));
+        let (first, last) = ends.ok_or("expected FIRST..LAST, e.g. 0..48")?;
+        if first > last { Err("the first frame comes after the last".into()) } else { Ok(Self { first, last }) }
+    }
+}
+
+fn finite(word: &str) -> Result<f64, String> {
+    let value: f64 = word.parse().map_err(|_| "expected a number".to_string())?;
+    if value.is_finite() { Ok(value) } else { Err("expected a finite number".into()) }
+}
+
+fn positive(word: &str) -> Result<f64, String> {
+    let value = finite(word)?;
+    if value > 0.0 { Ok(value) } else { Err("expected a number above 0".into()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Kajo::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes_without_pixels_or_too_large_are_refused() {
+        assert_eq!("640x360".parse(), Ok(Size(UVec2::new(640, 360))));
+        for wrong in ["0x0", "100000x100000", "640", "x", "-1x5", "1.5x2"] {
+            assert!(wrong.parse::<Size>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn frame_ranges_are_ordered() {
+        assert_eq!("3..5".parse(), Ok(FrameRange { first: 3, last: 5 }));
+        assert!("5..3".parse::<FrameRange>().is_err());
+    }
+
+    #[test]
+    fn nan_is_no_exposure() {
+        assert!("nan".parse::<ExposureChoice>().is_err());
+        assert_eq!("-2.5".parse(), Ok(ExposureChoice::Stops(-2.5)));
+    }
+}

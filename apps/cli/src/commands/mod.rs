@@ -1,0 +1,15 @@
+//! One file a command.
+
+mod coverage;
+
+use crate::arguments::{Command, Kajo};
+use crate::failure::Outcome;
+
+/// Carries out the command.
+pub fn run(arguments: &Kajo) -> Outcome {
+    let common = &arguments.common;
+    match &arguments.command {
+        Command::Coverage { status } => coverage::run(common, status.as_deref()),
+        _ => unreachable!(),
+    }
+}

@@ -4,11 +4,20 @@
 //! A [`Scene`] is plain data with indices between flat lists; nothing in it knows a renderer. Whatever an importer ignores or
 //! replaces is on [`Scene::ignored`], never dropped silently.
 
+pub mod builtin;
+mod environment_lookup;
 mod error;
 pub mod framing;
+mod load;
 pub mod model;
+mod nearest;
+pub mod shapes;
 mod snapshot;
+mod surface;
+mod texture_lookup;
 
 pub use error::SceneError;
+pub use load::{LoadOptions, load};
 pub use model::*;
 pub use snapshot::{Instance, PlacedCamera, PlacedLight, Snapshot};
+pub use surface::{SurfaceMaterial, SurfaceUv};

@@ -6,6 +6,7 @@
 mod atomic;
 mod buffer;
 mod error;
+mod exposure;
 mod exr_file;
 mod format;
 mod hdr;
@@ -16,6 +17,7 @@ mod read;
 pub use atomic::write_atomic;
 pub use buffer::Image;
 pub use error::ImageError;
+pub use exposure::auto_exposure;
 pub use exr_file::{ExrFile, Layer, Precision};
 pub use format::{Written, write_image};
 pub use hdr::write_hdr;

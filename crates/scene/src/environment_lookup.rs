@@ -80,3 +80,136 @@ fn rotate_about_y(v: Vec3, angle: f32) -> Vec3 {
     let (sin, cos) = angle.sin_cos();
     Vec3::new(v.x * cos + v.z * sin, v.y, -v.x * sin + v.z * cos)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Texels, TextureImage};
+    use kajo_units::Radians;
+    use std::sync::Arc;
+
+    fn environment(width: u32, height: u32, texel: impl Fn(u32, u32) -> [f32; 3]) -> Environment {
+        let texels = (0..height)
+            .flat_map(|y| (0..width).map(move |x| (x, y)))
+            .map(|(x, y)| Vec3::from_array(texel(x, y)).extend(1.0).to_array())
+            .collect();
+        let image = TextureImage { name: String::new(), width, height, texels: Texels::Rgba32F(texels) };
+        Environment { image: Some(Arc::new(image)), scale: LinearRgb::WHITE, rotation: Radians(0.0) }
+    }
+
+    #[test]
+    fn axes_map_to_their_places_in_the_image() {
+        let environment = environment(1, 1, |_, _| [1.0; 3]);
+        for (direction, u, v) in [(Vec3::NEG_Z, 0.5, 0.5), (Vec3::X, 0.75, 0.5), (Vec3::NEG_X, 0.25, 0.5), (Vec3::Z, 1.0, 0.5)] {
+            let uv = environment.uv(direction);
+            assert!((uv - Vec2::new(u, v)).length() < 1e-6 || (direction == Vec3::Z && uv.x < 1e-6), "{direction}: {uv}");
+        }
+        assert_eq!(environment.uv(Vec3::Y).y, 0.0);
+        assert_eq!(environment.uv(Vec3::NEG_Y).y, 1.0);
+    }
+
+    #[test]
+    fn rotation_is_counter_clockwise_seen_from_above() {
+        let mut environment = environment(1, 1, |_, _| [1.0; 3]);
+        environment.rotation = Radians::from_degrees(90.0);
+        // What stood at the centre, −z, now stands at −x: a quarter turn to the left of someone who looks along −z.
+        assert!((environment.uv(Vec3::NEG_X) - Vec2::splat(0.5)).length() < 1e-6);
+    }
+
+    #[test]
+    fn direction_and_uv_are_inverse() {
+        let mut environment = environment(1, 1, |_, _| [1.0; 3]);
+        environment.rotation = Radians(2.3);
+        for i in 1..40 {
+            for j in 1..20 {
+                let uv = Vec2::new(i as f32 / 40.0, j as f32 / 20.0);
+                let direction = environment.direction(uv);
+                assert!((direction.length() - 1.0).abs() < 1e-6);
+                assert!((environment.uv(direction) - uv).length() < 1e-5, "{uv}");
+            }
+        }
+    }
+
+    #[test]
+    fn texel_centres_are_exact_and_columns_wrap() {
+        let environment = environment(8, 4, |x, y| [x as f32, y as f32, 1.0]);
+        for y in 0..4 {
+            for x in 0..8 {
+                let uv = Vec2::new((x as f32 + 0.5) / 8.0, (y as f32 + 0.5) / 4.0);
+                let value = environment.radiance(environment.direction(uv)).0;
+                assert!((value - Vec3::new(x as f32, y as f32, 1.0)).length() < 1e-4, "{x} {y}: {value}");
+            }
+        }
+        // The seam lies half-way between column 7 and column 0.
+        let seam = environment.radiance(Vec3::Z).0.x;
+        assert!((seam - 3.5).abs() < 1e-3, "{seam}");
+    }
+
+    /// ∫ over the sphere of a uniform environment's weight is 4π / 2π: the grid carries sin θ dθ, and the columns share 2π.
+    #[test]
+    fn importance_of_a_white_image_is_solid_angle() {
+        let grid = environment(16, 8, |_, _| [1.0; 3]).importance().unwrap();
+        let sum: f32 = grid.pixels().iter().sum();
+        assert!((sum * TAU / 16.0 - 4.0 * PI).abs() < 1e-4, "{sum}");
+        // Polar rows are small: 1 − cos(π/8) against cos(3π/8) at the equator.
+        let ratio = grid.get(0, 0) / grid.get(0, 4);
+        assert!((ratio - (1.0 - (PI / 8.0).cos()) / (3.0 * PI / 8.0).cos()).abs() < 1e-5, "{ratio}");
+    }
+
+    #[test]
+    fn importance_is_positive_wherever_filtering_carries_light() {
+        let environment = environment(8, 8, |x, y| if (x, y) == (0, 3) { [5.0; 3] } else { [0.0; 3] });
+        let grid = environment.importance().unwrap();
+        for i in 0..64 {
+            for j in 0..64 {
+                let uv = Vec2::new((i as f32 + 0.5) / 64.0, (j as f32 + 0.5) / 64.0);
+                let lit = environment.radiance(environment.direction(uv)).luminance() > 1e-6;
+                assert!(!lit || *grid.get(i / 8, j / 8) > 0.0, "{uv} is lit and would never be sampled");
+            }
+        }
+        assert_eq!(*grid.get(4, 3), 0.0);
+    }
+
+    /// The weight of a texel is the integral of the filtered luminance over it, found here by a fine sum.
+    #[test]
+    fn importance_is_the_integral_of_the_filtered_image() {
+        let environment = environment(6, 5, |x, y| [((x * 7 + y * 3) % 5) as f32; 3]);
+        let grid = environment.importance().unwrap();
+        const N: u32 = 24;
+        for y in 1..4 {
+            for x in 0..6 {
+                let mut sum = 0.0;
+                for j in 0..N {
+                    for i in 0..N {
+                        let uv = Vec2::new((x * N + i) as f32 + 0.5, (y * N + j) as f32 + 0.5) / Vec2::new((6 * N) as f32, (5 * N) as f32);
+                        sum += environment.radiance(environment.direction(uv)).luminance();
+                    }
+                }
+                let theta = |row: u32| row as f32 / 5.0 * PI;
+                let expected = sum / (N * N) as f32 * (theta(y).cos() - theta(y + 1).cos());
+                assert!((grid.get(x, y) - expected).abs() < 2e-3 * expected.max(0.1), "({x}, {y}): {} {expected}", grid.get(x, y));
+            }
+        }
+    }
+
+    #[test]
+    fn pdf_conversion_integrates_to_one_over_the_sphere() {
+        let environment = environment(1, 1, |_, _| [1.0; 3]);
+        // p_uv = 1: ∫ p_ω dω = ∫∫ 1/(2π² sin θ) sin θ dθ dφ = 1.
+        let (rows, mut sum) = (2000, 0.0f64);
+        for row in 0..rows {
+            let v = (row as f32 + 0.5) / rows as f32;
+            let solid_angle = TAU * (v * PI).sin() * PI / rows as f32;
+            sum += f64::from(environment.pdf_from_uv(1.0, Vec2::new(0.3, v)) * solid_angle);
+        }
+        assert!((sum - 1.0).abs() < 1e-4, "{sum}");
+        assert_eq!(environment.pdf_from_uv(1.0, Vec2::new(0.3, 0.0)), 0.0);
+    }
+
+    #[test]
+    fn uniform_environment_has_no_grid() {
+        let environment = Environment::uniform(LinearRgb::splat(2.0));
+        assert!(environment.importance().is_none());
+        assert_eq!(environment.radiance(Vec3::X), LinearRgb::splat(2.0));
+    }
+}

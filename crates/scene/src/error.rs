@@ -61,6 +61,9 @@ pub enum SceneError {
         /// The largest accepted value.
         limit: u64,
     },
+    /// A picture cannot be read; the image crate's sentence names the file.
+    #[error(transparent)]
+    Image(#[from] kajo_image::ImageError),
 }
 
 impl SceneError {

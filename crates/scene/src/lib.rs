@@ -5,6 +5,7 @@
 //! replaces is on [`Scene::ignored`], never dropped silently.
 
 pub mod builtin;
+mod environment_file;
 mod environment_lookup;
 mod error;
 pub mod framing;
@@ -14,8 +15,11 @@ mod nearest;
 pub mod shapes;
 mod snapshot;
 mod surface;
+#[cfg(test)]
+mod test_assets;
 mod texture_lookup;
 
+pub use environment_file::{LoadedEnvironment, decode_environment, load_environment};
 pub use error::SceneError;
 pub use load::{LoadOptions, load};
 pub use model::*;

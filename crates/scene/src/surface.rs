@@ -179,3 +179,173 @@ fn tangent_space_normal(texel: Option<Vec4>, scale: f32) -> Vec3 {
         Some(t) => ((t.truncate() * 2.0 - 1.0) * Vec3::new(scale, scale, 1.0)).normalize_or(Vec3::Z),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ColorSpace, Filter, Texels, Texture, TextureImage, Wrap};
+    use glam::Affine2;
+    use std::sync::Arc;
+
+    /// A scene with one linear texel, and the reference to it.
+    fn with_texel(texel: [f32; 4]) -> (Scene, Option<TextureRef>) {
+        let image = TextureImage { name: String::new(), width: 1, height: 1, texels: Texels::Rgba32F(vec![texel]) };
+        let texture = Texture { image: 0, wrap: [Wrap::Repeat; 2], filter: Filter::Linear, color_space: ColorSpace::Linear };
+        let scene = Scene { images: vec![Arc::new(image)], textures: vec![texture], ..Scene::default() };
+        (scene, Some(TextureRef { texture: 0, uv_set: 0, transform: Affine2::IDENTITY }))
+    }
+
+    const TEXEL: [f32; 4] = [0.5, 0.25, 0.125, 0.75];
+
+    fn close(a: f32, b: f32) -> bool {
+        (a - b).abs() < 1e-6
+    }
+
+    #[test]
+    fn base_colour_is_factor_times_texture_times_vertex_colour() {
+        let (scene, texture) = with_texel(TEXEL);
+        let material = Material {
+            base_color: LinearRgb::new(0.5, 1.0, 1.0),
+            alpha: 0.5,
+            base_color_texture: texture,
+            alpha_mode: AlphaMode::Blend,
+            ..Material::default()
+        };
+        let surface = SurfaceUv { color: Vec4::new(1.0, 0.5, 4.0, 0.5), ..SurfaceUv::default() };
+        let at = material.at(&scene, &surface);
+        assert!((at.params.base_color.0 - Vec3::new(0.25, 0.125, 0.5)).length() < 1e-6);
+        assert!(close(at.coverage, 0.75 * 0.5 * 0.5));
+        assert_eq!(material.coverage_at(&scene, &surface), at.coverage);
+    }
+
+    #[test]
+    fn each_texture_is_read_from_the_channel_its_extension_names() {
+        let (scene, t) = with_texel(TEXEL);
+        let white = LinearRgb::WHITE;
+        let material = Material {
+            metallic_roughness_texture: t,
+            emission: LinearRgb::splat(2.0),
+            emission_texture: t,
+            occlusion_texture: t,
+            occlusion_strength: 0.5,
+            specular_texture: t,
+            specular_color_texture: t,
+            clearcoat: 1.0,
+            clearcoat_texture: t,
+            clearcoat_roughness: 1.0,
+            clearcoat_roughness_texture: t,
+            sheen_color: white,
+            sheen_color_texture: t,
+            sheen_roughness: 1.0,
+            sheen_roughness_texture: t,
+            transmission: 1.0,
+            transmission_texture: t,
+            iridescence: 1.0,
+            iridescence_texture: t,
+            iridescence_thickness_texture: t,
+            ..Material::default()
+        };
+        let at = material.at(&scene, &SurfaceUv::default());
+        let p = at.params;
+        let rgb = Vec3::new(0.5, 0.25, 0.125);
+        assert!(close(p.roughness.0, 0.25) && close(p.metallic, 0.125), "roughness is green, metal is blue");
+        assert_eq!(at.emission.0, 2.0 * rgb);
+        assert_eq!(material.emission_at(&scene, &SurfaceUv::default()), at.emission);
+        assert!(close(at.occlusion, 1.0 + 0.5 * (0.5 - 1.0)));
+        assert!(close(p.specular, 0.75) && p.specular_color.0 == rgb);
+        assert!(close(p.clearcoat, 0.5) && close(p.clearcoat_roughness.0, 0.25));
+        assert!(p.sheen_color.0 == rgb && close(p.sheen_roughness.0, 0.75));
+        assert!(close(p.transmission, 0.5));
+        assert!(close(p.iridescence, 0.5) && close(p.iridescence_thickness, 100.0 + 300.0 * 0.25));
+    }
+
+    #[test]
+    fn without_textures_the_factors_stand() {
+        let scene = Scene::default();
+        let material = Material { iridescence: 1.0, anisotropy: 0.3, anisotropy_rotation: Radians(0.4), ..Material::default() };
+        let at = material.at(&scene, &SurfaceUv::default());
+        assert_eq!(at.params.iridescence_thickness, 400.0, "no texture takes the maximum");
+        assert!(close(at.params.anisotropy, 0.3) && close(at.params.anisotropy_rotation.0, 0.4));
+        assert_eq!(at.normal, Vec3::Z);
+        assert_eq!((at.params.metallic, at.params.roughness.0, at.coverage), (1.0, 1.0, 1.0));
+    }
+
+    #[test]
+    fn normal_map_decodes_scales_and_stays_unit() {
+        let (scene, texture) = with_texel([0.75, 0.25, 1.0, 1.0]);
+        let at = |normal_scale| {
+            Material { normal_texture: texture, normal_scale, ..Material::default() }.at(&scene, &SurfaceUv::default()).normal
+        };
+        assert!((at(1.0) - Vec3::new(0.5, -0.5, 1.0).normalize()).length() < 1e-6);
+        assert!((at(0.5) - Vec3::new(0.25, -0.25, 1.0).normalize()).length() < 1e-6);
+        let (scene, zero) = with_texel([0.5, 0.5, 0.5, 1.0]);
+        let material = Material { normal_texture: zero, ..Material::default() };
+        assert_eq!(material.at(&scene, &SurfaceUv::default()).normal, Vec3::Z);
+    }
+
+    #[test]
+    fn anisotropy_texture_turns_and_scales() {
+        // Direction (0, 1) in red and green, strength 0.5 in blue.
+        let (scene, texture) = with_texel([0.5, 1.0, 0.5, 1.0]);
+        let material = Material { anisotropy: 0.8, anisotropy_texture: texture, anisotropy_rotation: Radians(0.25), ..Material::default() };
+        let p = material.at(&scene, &SurfaceUv::default()).params;
+        assert!(close(p.anisotropy, 0.4));
+        assert!(close(p.anisotropy_rotation.0, 0.25 + std::f32::consts::FRAC_PI_2));
+    }
+
+    #[test]
+    fn masks_are_all_or_nothing_and_opaque_ignores_alpha() {
+        let scene = Scene::default();
+        let coverage = |alpha, alpha_mode| Material { alpha, alpha_mode, ..Material::default() }.coverage_at(&scene, &SurfaceUv::default());
+        assert_eq!(coverage(0.5, AlphaMode::Mask(0.5)), 1.0);
+        assert_eq!(coverage(0.49, AlphaMode::Mask(0.5)), 0.0);
+        assert_eq!(coverage(0.49, AlphaMode::Blend), 0.49);
+        assert_eq!(coverage(0.0, AlphaMode::Opaque), 1.0);
+    }
+
+    #[test]
+    fn texture_transform_and_second_uv_set_are_applied() {
+        let image = TextureImage {
+            name: String::new(),
+            width: 2,
+            height: 1,
+            texels: Texels::Rgba32F(vec![[0.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0, 1.0]]),
+        };
+        let texture = Texture { image: 0, wrap: [Wrap::Repeat; 2], filter: Filter::Nearest, color_space: ColorSpace::Linear };
+        let scene = Scene { images: vec![Arc::new(image)], textures: vec![texture], ..Scene::default() };
+        let transform = Affine2::from_translation(Vec2::new(0.5, 0.0));
+        let material = Material { base_color_texture: Some(TextureRef { texture: 0, uv_set: 1, transform }), ..Material::default() };
+        let red = |u| {
+            let surface = SurfaceUv { uvs: [Vec2::splat(99.0), Vec2::new(u, 0.5)], ..SurfaceUv::default() };
+            material.at(&scene, &surface).params.base_color[0]
+        };
+        assert_eq!((red(0.25), red(0.75)), (1.0, 0.0));
+    }
+
+    #[test]
+    fn absorption_reaches_the_attenuation_colour_at_its_distance() {
+        let material = Material {
+            thickness: 0.1,
+            attenuation_distance: 2.0,
+            attenuation_color: LinearRgb::new(0.25, 1.0, 0.0),
+            ..Material::default()
+        };
+        let sigma = material.absorption();
+        let transmitted = (-sigma.0 * 2.0).map(f32::exp);
+        assert!((transmitted - Vec3::new(0.25, 1.0, 0.0)).length() < 1e-6, "{transmitted}");
+        assert!(sigma.is_finite());
+        assert!(!material.at(&Scene::default(), &SurfaceUv::default()).params.thin);
+        assert_eq!(Material { thickness: 0.0, ..material.clone() }.absorption(), LinearRgb::BLACK);
+        assert_eq!(Material { attenuation_distance: f32::INFINITY, ..material.clone() }.absorption(), LinearRgb::BLACK);
+        assert!(Material { attenuation_distance: 1e-44, ..material }.absorption().is_finite());
+    }
+
+    #[test]
+    fn unlit_shows_its_base_colour_as_radiance_and_reflects_nothing() {
+        let material = Material { unlit: true, base_color: LinearRgb::new(0.2, 0.4, 0.6), ..Material::default() };
+        let at = material.at(&Scene::default(), &SurfaceUv::default());
+        assert_eq!(at.emission, material.base_color);
+        assert_eq!(material.emission_at(&Scene::default(), &SurfaceUv::default()), material.base_color);
+        assert!(at.params.base_color.is_black() && at.params.specular == 0.0 && material.is_emissive());
+    }
+}

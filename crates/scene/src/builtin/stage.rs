@@ -1,7 +1,7 @@
 //! Puts a built-in scene together: materials, placed meshes, lights and cameras by name.
 
 use crate::{Camera, Environment, Light, LightShape, Material, Mesh, Node, Projection, Scene, Transform};
-use glam::{Affine3A, Mat3, Mat4, Quat, Vec3};
+use glam::{Mat3, Mat4, Quat, Vec3};
 use kajo_units::{LinearRgb, Meters, Radians};
 use std::sync::Arc;
 

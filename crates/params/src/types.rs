@@ -1,0 +1,165 @@
+//! The types a parameter may have.
+
+use crate::{ParamError, ParamSpec, ParamValues};
+use std::fmt;
+
+/// A value of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// A real number, finite.
+    Float(f32),
+    /// A count.
+    UInt(u32),
+    /// A whole number.
+    Int(i32),
+    /// On or off.
+    Bool(bool),
+    /// One of the names of [`ScalarType::Choice`].
+    Choice {
+        /// Rank of the name.
+        index: usize,
+        /// The name.
+        name: &'static str,
+    },
+}
+
+/// The type of a parameter, without its range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScalarType {
+    /// `f32` and its unit newtypes.
+    Float,
+    /// `u32`.
+    UInt,
+    /// `i32`.
+    Int,
+    /// `bool`.
+    Bool,
+    /// An enum; the names of its variants.
+    Choice(&'static [&'static str]),
+}
+
+impl ScalarType {
+    /// The names of a choice; empty for other types.
+    pub const fn choices(self) -> &'static [&'static str] {
+        match self {
+            Self::Choice(names) => names,
+            _ => &[],
+        }
+    }
+}
+
+impl Value {
+    /// The value as a number: booleans are 0 and 1, a choice is its rank. For sliders and `override` constants.
+    pub fn as_f64(self) -> f64 {
+        match self {
+            Self::Float(value) => f64::from(value),
+            Self::UInt(value) => f64::from(value),
+            Self::Int(value) => f64::from(value),
+            Self::Bool(value) => f64::from(u8::from(value)),
+            Self::Choice { index, .. } => index as f64,
+        }
+    }
+
+    /// The rank of a choice.
+    ///
+    /// # Panics
+    /// For every other kind of value.
+    pub fn choice(self) -> usize {
+        match self {
+            Self::Choice { index, .. } => index,
+            other => panic!("{other:?} is not a choice"),
+        }
+    }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Float(value) => write!(f, "{value}"),
+            Self::UInt(value) => write!(f, "{value}"),
+            Self::Int(value) => write!(f, "{value}"),
+            Self::Bool(value) => write!(f, "{value}"),
+            Self::Choice { name, .. } => f.write_str(name),
+        }
+    }
+}
+
+/// A Rust type that a field of a parameter struct may have.
+pub trait ParamType: Sized {
+    /// Its kind.
+    const TYPE: ScalarType;
+
+    /// From a value of that kind.
+    ///
+    /// # Panics
+    /// When the value is of another kind: `SPEC` and field disagree, which the derive rules out.
+    fn from_value(value: Value) -> Self;
+
+    /// Back to a value.
+    fn to_value(self) -> Value;
+}
+
+macro_rules! scalar {
+    ($($ty:ty: $variant:ident),*) => {$(
+        impl ParamType for $ty {
+            const TYPE: ScalarType = ScalarType::$variant;
+
+            fn from_value(value: Value) -> Self {
+                match value {
+                    Value::$variant(value) => value,
+                    other => panic!("{other:?} is not a {}", stringify!($ty)),
+                }
+            }
+
+            fn to_value(self) -> Value {
+                Value::$variant(self)
+            }
+        }
+    )*};
+}
+scalar!(f32: Float, u32: UInt, i32: Int, bool: Bool);
+
+macro_rules! quantity {
+    ($($ty:ident),*) => {$(
+        impl ParamType for kajo_units::$ty {
+            const TYPE: ScalarType = ScalarType::Float;
+
+            fn from_value(value: Value) -> Self {
+                Self(f32::from_value(value))
+            }
+
+            fn to_value(self) -> Value {
+                Value::Float(self.0)
+            }
+        }
+    )*};
+}
+quantity!(Meters, Radians, Seconds, Kelvin, Ev100, Nits, Lux, Radiance, Irradiance, PerceptualRoughness, Alpha);
+
+/// A struct of parameters; `#[derive(Params)]` implements it.
+pub trait ParamSet: Default {
+    /// The parameters in field order.
+    const SPEC: &'static [ParamSpec];
+
+    /// From checked values.
+    ///
+    /// # Panics
+    /// When the values belong to another `SPEC`.
+    fn from_values(values: &ParamValues) -> Self;
+
+    /// The values, without their types.
+    fn to_values(&self) -> ParamValues;
+
+    /// Every parameter as text, in field order.
+    fn to_pairs(&self) -> Vec<(&'static str, String)> {
+        self.to_values().to_pairs()
+    }
+
+    /// Reads `name = value` pairs; what is not given keeps its default.
+    ///
+    /// # Errors
+    /// Unknown or repeated names, values of the wrong type or out of range.
+    fn from_pairs(pairs: &[(&str, &str)]) -> Result<Self, ParamError> {
+        Ok(Self::from_values(&ParamValues::from_pairs(Self::SPEC, pairs)?))
+    }
+}

@@ -1,0 +1,235 @@
+//! The sampler of one pixel sample: a stream of dimensions, each a function of (seed, pixel, sample, dimension).
+//!
+//! One concrete type with three kinds. Dimensions are padded: each request takes the next dimension and gets a point of its
+//! own, independently randomised one- or two-dimensional set, which is well stratified over the samples of the pixel. A caller
+//! with a varying number of requests jumps to fixed dimensions ([`Sampler::start_bounce`]) so that they stay the same quantity
+//! in every sample.
+
+use crate::bits::{hash_u64, morton_2d, nested_uniform_scramble, unit_f32};
+use crate::sobol::{sobol_1d_scrambled, sobol_2d_scrambled};
+use glam::{UVec2, Vec2};
+
+/// Which points a [`Sampler`] hands out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SamplerKind {
+    /// Owen-scrambled Sobol pairs, shuffled per pixel and dimension: error falls faster than N^-1/2.    [Burley20]
+    #[default]
+    Sobol,
+    /// Independent pseudo-random numbers: the plain Monte Carlo baseline.
+    Independent,
+    /// One Owen-scrambled Sobol set per dimension, dealt to the pixels along a scrambled Z curve: neighbouring pixels get
+    /// points that complement each other, so the error of the image is blue noise.    [Ahmed20]
+    BlueNoise {
+        /// Base-2 logarithm of the samples a pixel will take; later samples start a new, independent pass.
+        log2_samples: u32,
+    },
+}
+
+/// The random numbers of one sample of one pixel, all in [0, 1).
+#[derive(Clone, Debug)]
+pub struct Sampler {
+    kind: Kind,
+    /// Randomises the dimensions; shared by the samples of a pixel (Sobol, Independent) or of the image (BlueNoise).
+    stream: u64,
+    index: u32,
+    dimension: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// Sobol with a per-dimension shuffle of the index; blue noise differs only in what stream and index are.
+    Scrambled,
+    Independent,
+}
+
+impl Sampler {
+    /// Dimensions before the first bounce: film, lens, time.
+    const CAMERA_DIMENSIONS: u32 = 16;
+    /// Dimensions of one bounce; dimensions cost nothing, so there are more than any integrator needs.
+    const BOUNCE_DIMENSIONS: u32 = 64;
+
+    /// The stream of sample `sample` in `pixel`.
+    #[inline]
+    pub fn new(kind: SamplerKind, seed: u64, pixel: UVec2, sample: u32) -> Self {
+        let pixel_stream = || hash_u64(hash_u64(seed) ^ (u64::from(pixel.y) << 32 | u64::from(pixel.x)));
+        match kind {
+            SamplerKind::Sobol => Self { kind: Kind::Scrambled, stream: pixel_stream(), index: sample, dimension: 0 },
+            SamplerKind::Independent => Self { kind: Kind::Independent, stream: pixel_stream(), index: sample, dimension: 0 },
+            SamplerKind::BlueNoise { log2_samples } => {
+                let log2_samples = log2_samples.min(31);
+                let pass = sample >> log2_samples;
+                // 32 bits of index: the low ones count samples, the rest pixels of a tile; each tile and pass has its own stream.
+                let place = (morton_2d(pixel.x, pixel.y) << log2_samples) | u64::from(sample & ((1 << log2_samples) - 1));
+                let tile = morton_2d(pixel.x, pixel.y) >> (32 - log2_samples);
+                let stream = hash_u64(hash_u64(seed) ^ hash_u64(tile << 32 | u64::from(pass)));
+                Self { kind: Kind::Scrambled, stream, index: place as u32, dimension: 0 }
+            }
+        }
+    }
+
+    /// The next dimension, in [0, 1).
+    #[inline]
+    pub fn next_1d(&mut self) -> f32 {
+        let h = self.next_hash();
+        match self.kind {
+            Kind::Scrambled => sobol_1d_scrambled(nested_uniform_scramble(self.index, h as u32), (h >> 32) as u32),
+            Kind::Independent => unit_f32((hash_u64(h ^ u64::from(self.index)) >> 32) as u32),
+        }
+    }
+
+    /// The next dimension pair, in [0, 1)².
+    #[inline]
+    pub fn next_2d(&mut self) -> Vec2 {
+        let h = self.next_hash();
+        match self.kind {
+            Kind::Scrambled => {
+                let index = nested_uniform_scramble(self.index, h as u32);
+                sobol_2d_scrambled(index, (h >> 32) as u32, (h.wrapping_mul(0xd134_2543_de82_ef95) >> 32) as u32)
+            }
+            Kind::Independent => {
+                let bits = hash_u64(h ^ u64::from(self.index));
+                Vec2::new(unit_f32((bits >> 32) as u32), unit_f32(bits as u32))
+            }
+        }
+    }
+
+    /// Jumps to the first dimension of bounce `bounce` (0: the first surface), whatever was used before.
+    #[inline]
+    pub fn start_bounce(&mut self, bounce: u32) {
+        self.dimension = Self::CAMERA_DIMENSIONS + bounce.wrapping_mul(Self::BOUNCE_DIMENSIONS);
+    }
+
+    /// Jumps to a dimension. One request, 1D or 2D, takes one dimension.
+    #[inline]
+    pub fn set_dimension(&mut self, dimension: u32) {
+        self.dimension = dimension;
+    }
+
+    /// The dimension that the next request takes.
+    pub fn dimension(&self) -> u32 {
+        self.dimension
+    }
+
+    #[inline]
+    fn next_hash(&mut self) -> u64 {
+        let h = hash_u64(self.stream.wrapping_add(u64::from(self.dimension) << 32));
+        self.dimension = self.dimension.wrapping_add(1);
+        h
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::chi_square_p_value;
+
+    const KINDS: [SamplerKind; 3] = [SamplerKind::Sobol, SamplerKind::Independent, SamplerKind::BlueNoise { log2_samples: 4 }];
+
+    #[test]
+    fn a_sample_can_be_replayed_alone_and_dimensions_are_stable() {
+        for kind in KINDS {
+            let mut a = Sampler::new(kind, 7, UVec2::new(12, 5), 3);
+            let first = (a.next_1d(), a.next_2d());
+            a.start_bounce(2);
+            let bounce = a.next_2d();
+            let mut b = Sampler::new(kind, 7, UVec2::new(12, 5), 3);
+            b.start_bounce(2);
+            assert_eq!(b.next_2d(), bounce);
+            b.set_dimension(0);
+            assert_eq!((b.next_1d(), b.next_2d()), first);
+            let mut other = Sampler::new(kind, 8, UVec2::new(12, 5), 3);
+            assert_ne!(other.next_1d(), first.0);
+        }
+    }
+
+    #[test]
+    fn values_lie_in_the_unit_interval() {
+        for kind in KINDS {
+            for sample in 0..1000 {
+                let mut s = Sampler::new(kind, 1, UVec2::new(sample % 7, sample / 7), sample);
+                for _ in 0..20 {
+                    let (x, p) = (s.next_1d(), s.next_2d());
+                    assert!((0.0..1.0).contains(&x) && (0.0..1.0).contains(&p.x) && (0.0..1.0).contains(&p.y));
+                }
+            }
+        }
+    }
+
+    /// Joint histogram of two dimensions over pixels and samples, 16 × 16 cells.
+    fn joint_p_value(kind: SamplerKind, dims: (u32, u32)) -> f64 {
+        let mut counts = vec![0.0; 256];
+        let n = 1 << 16;
+        for i in 0..n {
+            let mut s = Sampler::new(kind, 99, UVec2::new((i >> 4) & 63, i >> 10), i & 15);
+            s.set_dimension(dims.0);
+            let x = s.next_1d();
+            s.set_dimension(dims.1);
+            let y = s.next_1d();
+            counts[(x * 16.0) as usize * 16 + (y * 16.0) as usize] += 1.0;
+        }
+        chi_square_p_value(&counts, &vec![f64::from(n) / 256.0; 256], 0)
+    }
+
+    #[test]
+    fn dimensions_are_independent_of_each_other() {
+        for kind in KINDS {
+            for dims in [(0, 1), (1, 2), (0, 16), (3, 80), (16, 80)] {
+                let p = joint_p_value(kind, dims);
+                assert!(p > 1e-4, "{kind:?} dimensions {dims:?}: p = {p}");
+            }
+        }
+    }
+
+    #[test]
+    fn planted_fault_a_dimension_is_not_independent_of_itself() {
+        assert!(joint_p_value(SamplerKind::Sobol, (4, 4)) < 1e-12);
+    }
+
+    #[test]
+    fn power_of_two_samples_of_a_pixel_are_stratified() {
+        for kind in [SamplerKind::Sobol, SamplerKind::BlueNoise { log2_samples: 4 }] {
+            for pixel in [UVec2::ZERO, UVec2::new(300, 17)] {
+                let mut seen = [false; 16];
+                for sample in 0..16 {
+                    let mut s = Sampler::new(kind, 5, pixel, sample);
+                    s.start_bounce(1);
+                    let p = s.next_2d();
+                    seen[(p.x * 4.0) as usize * 4 + (p.y * 4.0) as usize] = true;
+                }
+                assert!(seen.iter().all(|&s| s), "{kind:?}: 16 samples fill 4 × 4 strata");
+            }
+        }
+    }
+
+    /// RMS error of ∫ over a step in the unit square after a 5 × 5 box blur; blue noise cancels among neighbours, white noise does not.
+    fn blurred_error(kind: SamplerKind) -> f64 {
+        const SIZE: usize = 96;
+        const BLUR: usize = 5;
+        let mut error = vec![0.0f64; SIZE * SIZE];
+        for (i, e) in error.iter_mut().enumerate() {
+            for sample in 0..4 {
+                let p = Sampler::new(kind, 3, UVec2::new((i % SIZE) as u32, (i / SIZE) as u32), sample).next_2d();
+                *e += if p.x + 0.5 * p.y < 0.75 { 0.25 } else { 0.0 };
+            }
+            *e -= 0.5;
+        }
+        let mut sum = 0.0;
+        for y in 0..SIZE - BLUR {
+            for x in 0..SIZE - BLUR {
+                let blurred: f64 = (0..BLUR * BLUR).map(|i| error[(y + i / BLUR) * SIZE + x + i % BLUR]).sum();
+                sum += (blurred / (BLUR * BLUR) as f64).powi(2);
+            }
+        }
+        sum.sqrt() / (SIZE - BLUR) as f64
+    }
+
+    #[test]
+    fn blue_noise_error_blurs_away_faster_than_white() {
+        let (blue, sobol, white) = (
+            blurred_error(SamplerKind::BlueNoise { log2_samples: 2 }),
+            blurred_error(SamplerKind::Sobol),
+            blurred_error(SamplerKind::Independent),
+        );
+        assert!(blue < 0.75 * sobol && sobol < 0.75 * white, "blue {blue}, sobol {sobol}, white {white}");
+    }
+}

@@ -1,0 +1,219 @@
+//! The binary tree and its recursive build.
+
+use super::{BuildOptions, bins::Bins};
+use crate::{aabb::Aabb, stack::MAX_DEPTH};
+use glam::{Vec3, Vec4, Vec4Swizzles};
+use std::ops::Range;
+
+/// A primitive to build over: its box and its number.
+#[derive(Clone, Copy, Debug)]
+pub struct Item {
+    /// Least corner; the last lane holds the number's bits.
+    min: Vec4,
+    /// Greatest corner.
+    max: Vec4,
+}
+
+impl Item {
+    pub fn new(bounds: &Aabb, number: u32) -> Self {
+        Self { min: bounds.min.extend(f32::from_bits(number)), max: bounds.max.extend(0.0) }
+    }
+
+    pub fn number(&self) -> u32 {
+        self.min.w.to_bits()
+    }
+
+    /// Twice the centre of the box; the last lane means nothing.
+    #[inline(always)]
+    pub fn center2(&self) -> Vec4 {
+        self.min + self.max
+    }
+
+    #[inline(always)]
+    pub fn min(&self) -> Vec4 {
+        self.min
+    }
+
+    #[inline(always)]
+    pub fn max(&self) -> Vec4 {
+        self.max
+    }
+}
+
+/// Inner node: children at the next index and at `right`. Leaf: `count` items from `first`.
+#[derive(Clone, Copy, Debug)]
+pub struct BinaryNode {
+    min: Vec3,
+    max: Vec3,
+    first: u32,
+    count: u32,
+    left: u32,
+    right: u32,
+}
+
+impl BinaryNode {
+    const UNUSED: Self = Self { min: Vec3::ZERO, max: Vec3::ZERO, first: 0, count: 0, left: 0, right: 0 };
+
+    pub fn bounds(&self) -> Aabb {
+        Aabb { min: self.min, max: self.max }
+    }
+
+    /// The range of the tree's order that a leaf holds.
+    pub fn leaf(&self) -> Option<Range<usize>> {
+        (self.count > 0).then(|| self.first as usize..(self.first + self.count) as usize)
+    }
+
+    /// Indices of both children of an inner node.
+    pub fn children(&self) -> [usize; 2] {
+        [self.left as usize, self.right as usize]
+    }
+}
+
+/// A binary tree; node 0 is the top. Subtrees of known size have reserved places, so nodes in between may be unused.
+#[derive(Clone, Debug)]
+pub struct BinaryTree {
+    pub nodes: Vec<BinaryNode>,
+    /// Numbers of the items, leaf after leaf.
+    pub order: Vec<u32>,
+}
+
+/// What the cost model needs to know.
+#[derive(Clone, Copy, Debug)]
+pub struct Cost {
+    pub options: BuildOptions,
+    /// Items that are tested together.
+    pub block: usize,
+}
+
+impl Cost {
+    /// Tests that `count` items cost.
+    pub fn blocks(&self, count: usize) -> f32 {
+        count.div_ceil(self.block) as f32
+    }
+}
+
+/// Below this many items a subtree is built by one thread.
+const PARALLEL_ITEMS: usize = 4096;
+
+/// From this depth on, halves of equal count bound the depth.
+const BALANCE_DEPTH: usize = MAX_DEPTH - 32;
+
+impl BinaryTree {
+    /// Builds over items; the result does not depend on the number of threads.
+    pub fn build(mut items: Vec<Item>, cost: &Cost) -> Self {
+        if items.is_empty() {
+            return Self { nodes: Vec::new(), order: Vec::new() };
+        }
+        let mut nodes = vec![BinaryNode::UNUSED; 2 * items.len() - 1];
+        let bounds = Bounds::of(&items);
+        build(Task { items: &mut items, nodes: &mut nodes, first_item: 0, first_node: 0, depth: 0 }, bounds, cost);
+        Self { nodes, order: items.iter().map(Item::number).collect() }
+    }
+}
+
+/// Boxes around items and around twice their centres.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    pub min: Vec4,
+    pub max: Vec4,
+    pub center_min: Vec4,
+    pub center_max: Vec4,
+}
+
+impl Bounds {
+    const EMPTY: Self = Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY, center_min: Vec4::INFINITY, center_max: Vec4::NEG_INFINITY };
+
+    fn of(items: &[Item]) -> Self {
+        items.iter().fold(Self::EMPTY, |b, item| {
+            let center = item.center2();
+            Self {
+                min: b.min.min(item.min),
+                max: b.max.max(item.max),
+                center_min: b.center_min.min(center),
+                center_max: b.center_max.max(center),
+            }
+        })
+    }
+
+    pub fn half_area(&self) -> f32 {
+        half_area(self.min, self.max)
+    }
+}
+
+/// Half the surface of a box that is not empty.
+#[inline(always)]
+pub fn half_area(min: Vec4, max: Vec4) -> f32 {
+    let d = max - min;
+    d.x * d.y + d.y * d.z + d.z * d.x
+}
+
+/// A subtree to build: its items, the nodes reserved for it, and where both start in the whole.
+struct Task<'a> {
+    items: &'a mut [Item],
+    nodes: &'a mut [BinaryNode],
+    first_item: usize,
+    first_node: usize,
+    depth: usize,
+}
+
+fn build(task: Task, bounds: Bounds, cost: &Cost) {
+    let Task { items, nodes, first_item, first_node, depth } = task;
+    let count = items.len();
+    let (min, max) = (bounds.min.xyz(), bounds.max.xyz());
+    let (node, nodes) = nodes.split_first_mut().expect("a place for every node");
+    let Some(middle) = split(items, &bounds, depth, cost) else {
+        *node = BinaryNode { min, max, first: first_item as u32, count: count as u32, left: 0, right: 0 };
+        return;
+    };
+    let (left_first, right_first) = (first_node + 1, first_node + 2 * middle);
+    *node = BinaryNode { min, max, first: 0, count: 0, left: left_first as u32, right: right_first as u32 };
+    let (left, right) = items.split_at_mut(middle);
+    let (left_nodes, right_nodes) = nodes.split_at_mut(2 * middle - 1);
+    let left = Task { items: left, nodes: left_nodes, first_item, first_node: left_first, depth: depth + 1 };
+    let right = Task { items: right, nodes: right_nodes, first_item: first_item + middle, first_node: right_first, depth: depth + 1 };
+    let run = |task: Task| {
+        let bounds = Bounds::of(task.items);
+        build(task, bounds, cost)
+    };
+    if count >= PARALLEL_ITEMS {
+        rayon::join(|| run(left), || run(right));
+    } else {
+        run(left);
+        run(right);
+    }
+}
+
+/// Reorders items so that the first part goes left and returns its length; `None` makes a leaf.
+fn split(items: &mut [Item], bounds: &Bounds, depth: usize, cost: &Cost) -> Option<usize> {
+    let count = items.len();
+    if count == 1 {
+        return None;
+    }
+    let must_split = count > cost.options.max_leaf_size;
+    if depth >= BALANCE_DEPTH {
+        return must_split.then(|| halve(items, bounds));
+    }
+    let bins = Bins::of(items, bounds, cost.options.bins);
+    let best = bins.best_plane(cost);
+    let area = bounds.half_area();
+    let leaf_cost = area * cost.blocks(count);
+    match best {
+        Some(plane) if must_split || area * cost.options.node_cost + plane.cost < leaf_cost => Some(bins.partition(items, &plane)),
+        _ => must_split.then(|| halve(items, bounds)),
+    }
+}
+
+/// Splits at the median of the longest axis of the centres; equal centres by number.
+fn halve(items: &mut [Item], bounds: &Bounds) -> usize {
+    let extent = (bounds.center_max - bounds.center_min).xyz();
+    let axis = if extent.x >= extent.y && extent.x >= extent.z {
+        0
+    } else if extent.y >= extent.z {
+        1
+    } else {
+        2
+    };
+    let middle = items.len() / 2;
+    items.select_nth_unstable_by(middle, |a, b| a.center2()[axis].total_cmp(&b.center2()[axis]).then(a.number().cmp(&b.number())));
+    middle
+}

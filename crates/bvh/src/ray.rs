@@ -1,0 +1,109 @@
+//! Rays, hits and what a ray may see.
+
+use crate::triangle::MAX_COORDINATE;
+use glam::Vec3;
+
+/// A half-open line: the points `origin + t · direction` with `t_min < t < t_max`, both ends excluded.
+///
+/// The direction need not be of unit length: `t` counts in its length, and is the same in every instance's space.
+/// A ray whose direction is zero or not finite, or whose origin is not finite or beyond [`MAX_COORDINATE`], hits nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct Ray {
+    /// Where it starts, m.
+    pub origin: Vec3,
+    /// Hits must lie beyond this.
+    pub t_min: f32,
+    /// Where it goes; any length.
+    pub direction: Vec3,
+    /// Hits must lie before this; may be infinite.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// A ray without end, from `t = 0`.
+    pub const fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, t_min: 0.0, direction, t_max: f32::INFINITY }
+    }
+
+    /// The open segment from `from` to `to`; t = 1 at `to`.
+    pub fn between(from: Vec3, to: Vec3) -> Self {
+        Self { origin: from, t_min: 0.0, direction: to - from, t_max: 1.0 }
+    }
+
+    /// The point at `t`.
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + t * self.direction
+    }
+
+    /// Whether the ray can hit anything at all.
+    pub(crate) fn is_usable(&self) -> bool {
+        self.origin.abs().cmple(Vec3::splat(MAX_COORDINATE)).all()
+            && self.direction.is_finite()
+            && self.direction != Vec3::ZERO
+            && self.t_min < self.t_max
+    }
+}
+
+/// Where a ray met a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Ray parameter, in lengths of the ray's direction.
+    pub t: f32,
+    /// Barycentric weight of vertex 1; that of vertex 0 is 1 − u − v.
+    pub u: f32,
+    /// Barycentric weight of vertex 2.
+    pub v: f32,
+    /// Index of the triangle in its mesh.
+    pub primitive: u32,
+    /// Index of the instance.
+    pub instance: u32,
+}
+
+/// One triangle of one instance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PrimitiveRef {
+    /// Index of the instance.
+    pub instance: u32,
+    /// Index of the triangle in its mesh.
+    pub primitive: u32,
+}
+
+impl PrimitiveRef {
+    /// Both indices in one number that orders like (instance, primitive).
+    pub(crate) fn key(self) -> u64 {
+        (self.instance as u64) << 32 | self.primitive as u64
+    }
+}
+
+impl Hit {
+    /// The triangle that was hit.
+    pub fn primitive_ref(&self) -> PrimitiveRef {
+        PrimitiveRef { instance: self.instance, primitive: self.primitive }
+    }
+}
+
+/// What a ray may see.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Filter {
+    /// An instance is seen when its mask and this one share a bit.
+    pub mask: u32,
+    /// A triangle that is never hit: the flat one the ray starts on.
+    pub exclude: Option<PrimitiveRef>,
+}
+
+impl Filter {
+    /// Sees everything whose mask is not zero.
+    pub const ALL: Self = Self { mask: u32::MAX, exclude: None };
+
+    /// Sees everything but the triangle that `hit` lies on.
+    pub fn leaving(hit: &Hit) -> Self {
+        Self { exclude: Some(hit.primitive_ref()), ..Self::ALL }
+    }
+}
+
+impl Default for Filter {
+    fn default() -> Self {
+        Self::ALL
+    }
+}

@@ -1,0 +1,275 @@
+//! The upper level: meshes placed in the world.
+
+use crate::{
+    aabb::Aabb,
+    blas::Blas,
+    build::{BinaryTree, BuildOptions, Cost, Item},
+    counters::{Count, NoCounters},
+    error::BvhError,
+    lanes::{Backend, Portable},
+    ray::{Filter, Hit, Ray},
+    slab::MARGIN,
+    traverse::{Nearest, Query, trace},
+    triangle::MAX_COORDINATE,
+    wide::{Child, WideTree},
+};
+use glam::{Affine3A, DAffine3, DMat3};
+use std::sync::Arc;
+
+/// A mesh in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BvhInstance {
+    /// Index into the meshes.
+    pub blas: usize,
+    /// Object to world; may mirror, shear and scale unevenly.
+    pub world_from_object: Affine3A,
+    /// Seen by rays whose mask shares a bit.
+    pub mask: u32,
+    /// Hits need not be confirmed by the caller.
+    pub opaque: bool,
+}
+
+impl BvhInstance {
+    /// An opaque instance that every ray sees.
+    pub fn new(blas: usize, world_from_object: Affine3A) -> Self {
+        Self { blas, world_from_object, mask: u32::MAX, opaque: true }
+    }
+}
+
+/// An instance as traversal needs it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    pub object_from_world: Affine3A,
+    pub world_from_object: Affine3A,
+    pub blas: u32,
+    pub instance: u32,
+    pub mask: u32,
+    pub opaque: bool,
+    identity: bool,
+}
+
+impl Placed {
+    /// The ray in object space. `t` means the same there.
+    #[inline(always)]
+    pub fn local_ray(&self, ray: &Ray) -> Ray {
+        if self.identity {
+            return *ray;
+        }
+        Ray {
+            origin: self.object_from_world.transform_point3(ray.origin),
+            direction: self.object_from_world.transform_vector3(ray.direction),
+            ..*ray
+        }
+    }
+}
+
+/// A transform that amplifies rounding more than this cannot be inverted in single precision in any useful sense.
+const MAX_CONDITION: f64 = 1e6;
+
+/// A hierarchy over instances of meshes.
+#[derive(Clone, Debug)]
+pub struct Tlas {
+    blases: Vec<Arc<Blas>>,
+    placed: Vec<Placed>,
+    tree: WideTree,
+    instances: usize,
+    singular: Vec<usize>,
+    margin: f32,
+    extra: f32,
+    backend: Backend,
+}
+
+impl Tlas {
+    /// Builds over instances. Instances of empty meshes are never hit. Those whose transform is singular to single precision (a zero
+    /// scale, or a condition number above 10⁶) have no inside to hit: they are left out and listed by
+    /// [`singular_instances`](Self::singular_instances).
+    ///
+    /// # Errors
+    /// An instance of a mesh that does not exist, a transform that is not finite or moves its mesh beyond ±10¹⁸, or too many instances.
+    pub fn build(blases: Vec<Arc<Blas>>, instances: Vec<BvhInstance>) -> Result<Self, BvhError> {
+        if instances.len() > Child::MAX_INDEX {
+            return Err(BvhError::TooMany { what: "instances", got: instances.len(), max: Child::MAX_INDEX });
+        }
+        let mut all = Vec::with_capacity(instances.len());
+        let mut items = Vec::with_capacity(instances.len());
+        let mut singular = Vec::new();
+        let (mut condition, mut shift) = (1.0f64, 0.0f64);
+        for (number, instance) in instances.iter().enumerate() {
+            let Some(blas) = blases.get(instance.blas) else {
+                return Err(BvhError::Blas { instance: number, blas: instance.blas, blases: blases.len() });
+            };
+            if !instance.world_from_object.is_finite() {
+                return Err(BvhError::Transform { instance: number });
+            }
+            if blas.bounds().is_empty() {
+                continue;
+            }
+            let bounds = blas.bounds().transformed(&instance.world_from_object);
+            // A comparison with NaN is false.
+            if !(bounds.max_abs() <= MAX_COORDINATE) {
+                return Err(BvhError::Transform { instance: number });
+            }
+            let Some((object_from_world, amplification)) = invert(&instance.world_from_object) else {
+                singular.push(number);
+                continue;
+            };
+            condition = condition.max(amplification);
+            shift = shift.max(amplification * f64::from(instance.world_from_object.translation.abs().max_element()));
+            items.push(Item::new(&bounds, all.len() as u32));
+            all.push(Placed {
+                object_from_world,
+                world_from_object: instance.world_from_object,
+                blas: instance.blas as u32,
+                instance: number as u32,
+                mask: instance.mask,
+                opaque: instance.opaque,
+                identity: instance.world_from_object == Affine3A::IDENTITY,
+            });
+        }
+        let options = BuildOptions { max_leaf_size: 1, ..BuildOptions::default() };
+        let binary = BinaryTree::build(items, &Cost { options, block: 1 });
+        let mut placed = Vec::with_capacity(all.len());
+        let tree = WideTree::collapse(&binary, |range| {
+            let first = placed.len();
+            placed.extend(binary.order[range].iter().map(|&number| all[number as usize]));
+            Child::leaf(first, placed.len() - first)
+        });
+        let (margin, extra) = (MARGIN * condition as f32, MARGIN * shift as f32);
+        Ok(Self { blases, placed, tree, instances: instances.len(), singular, margin, extra, backend: Backend::detect() })
+    }
+
+    /// One mesh at the origin, opaque.
+    pub fn single(blas: Blas) -> Self {
+        Self::build(vec![Arc::new(blas)], vec![BvhInstance::new(0, Affine3A::IDENTITY)]).expect("one finite mesh in place")
+    }
+
+    /// The same tree traced with other instructions.
+    ///
+    /// # Panics
+    /// If this processor does not run them: ask [`Backend::is_supported`] first.
+    pub fn with_backend(self, backend: Backend) -> Self {
+        assert!(backend.is_supported(), "{backend:?} is not supported by this processor");
+        Self { backend, ..self }
+    }
+
+    /// The nearest hit that `accept` confirms; hits on opaque instances need no confirmation.
+    ///
+    /// `accept` should depend on the hit alone; it may be asked about hits that turn out not to be the nearest.
+    #[inline]
+    pub fn closest_hit(&self, ray: &Ray, filter: Filter, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
+        self.run::<_, _, false, false>(ray, filter, accept, &mut NoCounters)
+    }
+
+    /// The nearest hit, with every instance taken as opaque.
+    #[inline]
+    pub fn closest_hit_opaque(&self, ray: &Ray, filter: Filter) -> Option<Hit> {
+        self.run::<_, _, false, true>(ray, filter, |_: &Hit| true, &mut NoCounters)
+    }
+
+    /// Whether anything that `accept` confirms is hit.
+    #[inline]
+    pub fn any_hit(&self, ray: &Ray, filter: Filter, accept: impl FnMut(&Hit) -> bool) -> bool {
+        self.run::<_, _, true, false>(ray, filter, accept, &mut NoCounters).is_some()
+    }
+
+    /// Whether anything is hit, with every instance taken as opaque.
+    #[inline]
+    pub fn any_hit_opaque(&self, ray: &Ray, filter: Filter) -> bool {
+        self.run::<_, _, true, true>(ray, filter, |_: &Hit| true, &mut NoCounters).is_some()
+    }
+
+    /// [`closest_hit`](Self::closest_hit) that counts its work.
+    pub fn closest_hit_counted(
+        &self,
+        ray: &Ray,
+        filter: Filter,
+        accept: impl FnMut(&Hit) -> bool,
+        counters: &mut impl Count,
+    ) -> Option<Hit> {
+        self.run::<_, _, false, false>(ray, filter, accept, counters)
+    }
+
+    /// [`any_hit`](Self::any_hit) that counts its work.
+    pub fn any_hit_counted(&self, ray: &Ray, filter: Filter, accept: impl FnMut(&Hit) -> bool, counters: &mut impl Count) -> bool {
+        self.run::<_, _, true, false>(ray, filter, accept, counters).is_some()
+    }
+
+    #[inline(always)]
+    fn run<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool>(
+        &self,
+        ray: &Ray,
+        filter: Filter,
+        accept: F,
+        counters: &mut C,
+    ) -> Option<Hit> {
+        let mut query = Query { ray, filter, accept, counters, nearest: Nearest::before(ray.t_max) };
+        match self.backend {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `backend` is only ever one that `is_supported` confirmed.
+            Backend::Avx2 => unsafe { run_avx2::<C, F, ANY, OPAQUE>(self, &mut query) },
+            _ => trace::<Portable, C, F, ANY, OPAQUE>(self, &mut query),
+        }
+        query.nearest.into_option()
+    }
+
+    /// Box around everything in the world; empty when there is nothing.
+    pub fn bounds(&self) -> Aabb {
+        self.tree.bounds
+    }
+
+    /// Instances given to the build, whether or not they can be hit.
+    pub fn instance_count(&self) -> usize {
+        self.instances
+    }
+
+    /// Instances left out because their transform cannot be inverted.
+    pub fn singular_instances(&self) -> &[usize] {
+        &self.singular
+    }
+
+    /// The meshes.
+    pub fn blases(&self) -> &[Arc<Blas>] {
+        &self.blases
+    }
+
+    /// Bytes held by both levels; a mesh counts once however often it is placed.
+    pub fn memory(&self) -> usize {
+        self.tree.memory() + std::mem::size_of_val(&self.placed[..]) + self.blases.iter().map(|b| b.memory()).sum::<usize>()
+    }
+
+    pub(crate) fn tree(&self) -> &WideTree {
+        &self.tree
+    }
+
+    pub(crate) fn placed(&self) -> &[Placed] {
+        &self.placed
+    }
+
+    /// Margin of boxes of instances: [`MARGIN`] times what the transforms amplify, and the part that their translations add, m.
+    pub(crate) fn margin(&self) -> (f32, f32) {
+        (self.margin, self.extra)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+unsafe fn run_avx2<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool>(tlas: &Tlas, query: &mut Query<F, C>) {
+    trace::<crate::lanes::Avx2, C, F, ANY, OPAQUE>(tlas, query)
+}
+
+/// The inverse, rounded from double precision, and by how much going there and back amplifies a rounding error: the greatest row sum
+/// of |M| |M⁻¹|. `None` when the map is singular to single precision.
+fn invert(map: &Affine3A) -> Option<(Affine3A, f64)> {
+    let linear = map.matrix3.as_dmat3();
+    let inverse = linear.inverse();
+    if !inverse.is_finite() {
+        return None;
+    }
+    let absolute = |m: DMat3| DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
+    let product = absolute(linear) * absolute(inverse);
+    let amplification = (product.x_axis + product.y_axis + product.z_axis).max_element();
+    let there = DAffine3 { matrix3: inverse, translation: -(inverse * map.translation.as_dvec3()) };
+    let rounded = Affine3A::from_mat3_translation(there.matrix3.as_mat3(), there.translation.as_vec3());
+    let least = there.matrix3.to_cols_array().into_iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    (amplification <= MAX_CONDITION && rounded.is_finite() && least >= f64::from(f32::MIN_POSITIVE)).then_some((rounded, amplification))
+}

@@ -1,0 +1,160 @@
+//! Nodes with eight children, and how a binary tree becomes them.
+
+use crate::{
+    aabb::Aabb,
+    build::{BinaryNode, BinaryTree},
+};
+
+/// Children of a node.
+pub const WIDTH: usize = 8;
+
+/// Greatest number of blocks in a leaf.
+pub const MAX_LEAF_BLOCKS: usize = 8;
+
+/// Reference to a child: a node, or a run of up to eight items (triangle blocks or instances).
+///
+/// Bit 31 tells a leaf; a leaf holds the number of items less one in bits 28–30 and the first item in bits 0–27.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub struct Child(u32);
+
+impl Child {
+    /// No child.
+    pub const NONE: Self = Self(u32::MAX);
+    /// Nodes and items that can be addressed.
+    pub const MAX_INDEX: usize = (1 << 28) - 1;
+
+    pub fn node(index: usize) -> Self {
+        Self(index as u32)
+    }
+
+    pub fn leaf(first: usize, count: usize) -> Self {
+        assert!((1..=MAX_LEAF_BLOCKS).contains(&count) && first < Self::MAX_INDEX, "leaf of {count} items at {first}");
+        Self(1 << 31 | (count as u32 - 1) << 28 | first as u32)
+    }
+
+    #[inline(always)]
+    pub fn is_leaf(self) -> bool {
+        self.0 >> 31 != 0
+    }
+
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The items of a leaf.
+    #[inline(always)]
+    pub fn items(self) -> std::ops::Range<usize> {
+        let first = (self.0 & 0x0fff_ffff) as usize;
+        first..first + (self.0 >> 28 & 7) as usize + 1
+    }
+}
+
+/// Eight boxes, side by side for SIMD.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct Node {
+    /// `[min x, max x, min y, max y, min z, max z][child]`, m; +∞ … −∞ for no child.
+    pub planes: [[f32; WIDTH]; 6],
+    /// What is in each box.
+    pub children: [Child; WIDTH],
+}
+
+impl Node {
+    const EMPTY: Self = Self {
+        planes: [
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+        ],
+        children: [Child::NONE; WIDTH],
+    };
+
+    fn set(&mut self, slot: usize, bounds: &Aabb, child: Child) {
+        for axis in 0..3 {
+            self.planes[2 * axis][slot] = bounds.min[axis];
+            self.planes[2 * axis + 1][slot] = bounds.max[axis];
+        }
+        self.children[slot] = child;
+    }
+
+    /// Box of a child.
+    pub fn bounds(&self, slot: usize) -> Aabb {
+        let p = |plane: usize| self.planes[plane][slot];
+        Aabb { min: glam::Vec3::new(p(0), p(2), p(4)), max: glam::Vec3::new(p(1), p(3), p(5)) }
+    }
+
+    /// Boxes and children in use.
+    pub fn used(&self) -> impl Iterator<Item = (Aabb, Child)> + '_ {
+        (0..WIDTH).filter(|&i| self.children[i] != Child::NONE).map(|i| (self.bounds(i), self.children[i]))
+    }
+}
+
+/// A tree of wide nodes over numbered items.
+#[derive(Clone, Debug)]
+pub struct WideTree {
+    /// Parents before children.
+    pub nodes: Vec<Node>,
+    /// The top: a node, a leaf, or nothing.
+    pub root: Child,
+    /// Box around everything.
+    pub bounds: Aabb,
+}
+
+impl WideTree {
+    /// Collapses a binary tree: the child with the largest surface is replaced by its two children until there are eight.
+    ///
+    /// `leaf` stores the primitives of a leaf (a range of the tree's order) and returns the reference to them.
+    pub fn collapse(tree: &BinaryTree, mut leaf: impl FnMut(std::ops::Range<usize>) -> Child) -> Self {
+        if tree.nodes.is_empty() {
+            return Self { nodes: Vec::new(), root: Child::NONE, bounds: Aabb::EMPTY };
+        }
+        let top = &tree.nodes[0];
+        if let Some(range) = top.leaf() {
+            return Self { nodes: Vec::new(), root: leaf(range), bounds: top.bounds() };
+        }
+        let mut nodes = vec![Node::EMPTY];
+        let mut waiting = vec![(0usize, 0usize)];
+        while let Some((binary, wide)) = waiting.pop() {
+            let children = open(tree, &tree.nodes[binary]);
+            for (slot, &child) in children.iter().enumerate() {
+                let node = &tree.nodes[child];
+                let reference = match node.leaf() {
+                    Some(range) => leaf(range),
+                    None => {
+                        nodes.push(Node::EMPTY);
+                        waiting.push((child, nodes.len() - 1));
+                        Child::node(nodes.len() - 1)
+                    }
+                };
+                nodes[wide].set(slot, &node.bounds(), reference);
+            }
+        }
+        Self { nodes, root: Child::node(0), bounds: top.bounds() }
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        std::mem::size_of_val(&self.nodes[..])
+    }
+}
+
+/// Up to eight descendants that replace the two children of `parent`.
+fn open(tree: &BinaryTree, parent: &BinaryNode) -> Vec<usize> {
+    let mut children = parent.children().to_vec();
+    while children.len() < WIDTH {
+        let widest = (0..children.len()).filter(|&i| tree.nodes[children[i]].leaf().is_none()).max_by(|&i, &j| {
+            let area = |k: usize| tree.nodes[children[k]].bounds().half_area();
+            area(i).total_cmp(&area(j)).then(j.cmp(&i))
+        });
+        let Some(widest) = widest else { break };
+        let [left, right] = tree.nodes[children[widest]].children();
+        children[widest] = left;
+        children.insert(widest + 1, right);
+    }
+    children
+}

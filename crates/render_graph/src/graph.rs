@@ -1,0 +1,169 @@
+//! The graph of one execution: passes with their slots, and the pool of images behind the slots.
+
+use crate::order::{Access, order};
+use crate::timer::{Timer, Timings};
+use crate::{Device, Error, Layers, Slot, Texture};
+use glam::UVec2;
+use std::collections::HashMap;
+
+/// The images behind slots, kept from frame to frame. All have the size of the frame.
+#[derive(Debug, Default)]
+pub struct Pool {
+    size: UVec2,
+    lights: u32,
+    textures: HashMap<&'static str, Texture>,
+}
+
+impl Pool {
+    /// A pool for frames of `size`, with `lights` layers where a slot has one for each light. No image is made yet.
+    pub fn new(size: UVec2, lights: u32) -> Self {
+        Self { size, lights: lights.max(1), textures: HashMap::new() }
+    }
+
+    /// Size of every image, px.
+    pub fn size(&self) -> UVec2 {
+        self.size
+    }
+
+    /// Layers of the slots that have one for each light.
+    pub fn lights(&self) -> u32 {
+        self.lights
+    }
+
+    /// The image of a slot, if a pass has made it.
+    pub fn get(&self, slot: Slot) -> Option<&Texture> {
+        self.textures.get(slot.name)
+    }
+
+    /// Makes the image of a slot, if it is not there.
+    pub fn make(&mut self, device: &Device, slot: Slot) {
+        let layers = match slot.layers {
+            Layers::One => 1,
+            Layers::PerLight => self.lights,
+        };
+        let size = self.size;
+        self.textures.entry(slot.name).or_insert_with(|| {
+            let depth = slot.format.is_depth_stencil_format();
+            let storage = matches!(
+                slot.format,
+                wgpu::TextureFormat::R32Float | wgpu::TextureFormat::Rgba16Float | wgpu::TextureFormat::Rgba32Float | wgpu::TextureFormat::Rgba8Unorm
+            );
+            let mut usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+            if storage && !depth {
+                usage |= wgpu::TextureUsages::STORAGE_BINDING;
+            }
+            device.texture(&wgpu::TextureDescriptor {
+                label: Some(slot.name),
+                size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: layers },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: slot.format,
+                usage,
+                view_formats: &[],
+            })
+        });
+    }
+}
+
+type Run<'a> = Box<dyn FnOnce(&mut PassContext) -> Result<(), Error> + 'a>;
+
+/// Passes to be ordered and run once.
+#[derive(Default)]
+pub struct Graph<'a> {
+    accesses: Vec<Access>,
+    runs: Vec<Run<'a>>,
+    imported: Vec<Slot>,
+}
+
+impl<'a> Graph<'a> {
+    /// No passes.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Says that the image of `slot` was made by an earlier execution.
+    pub fn import(&mut self, slots: &[Slot]) {
+        self.imported.extend(slots);
+    }
+
+    /// Adds a pass: what it touches, and what it does.
+    pub fn pass(&mut self, access: Access, run: impl FnOnce(&mut PassContext) -> Result<(), Error> + 'a) {
+        self.accesses.push(access);
+        self.runs.push(Box::new(run));
+    }
+
+    /// Orders and runs the passes, waits for the device, and says how long each took.
+    ///
+    /// # Errors
+    /// When there is no order, a pass fails, or the device is lost.
+    pub fn execute(self, device: &Device, pool: &mut Pool) -> Result<Timings, Error> {
+        let order = order(&self.accesses, &self.imported)?;
+        for slot in self.accesses.iter().flat_map(|access| &access.writes) {
+            pool.make(device, *slot);
+        }
+        let mut runs: Vec<Option<Run>> = self.runs.into_iter().map(Some).collect();
+        let mut timer = Timer::new(device, order.len());
+        let mut encoder = device.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("graph") });
+        for index in order {
+            let access = &self.accesses[index];
+            let run = runs[index].take().expect("each pass runs once");
+            let _span = tracing::trace_span!("pass", name = access.name).entered();
+            encoder.push_debug_group(&access.name);
+            timer.begin(&mut encoder, &access.name);
+            run(&mut PassContext { device, access, pool, encoder: &mut encoder })?;
+            timer.end(device, &mut encoder)?;
+            encoder.pop_debug_group();
+        }
+        timer.resolve(&mut encoder);
+        device.queue.submit([encoder.finish()]);
+        device.check()?;
+        timer.read(device)
+    }
+}
+
+/// What a running pass sees.
+pub struct PassContext<'c> {
+    /// The device.
+    pub device: &'c Device,
+    /// Commands go here.
+    pub encoder: &'c mut wgpu::CommandEncoder,
+    access: &'c Access,
+    pool: &'c Pool,
+}
+
+impl PassContext<'_> {
+    /// Size of the frame, px.
+    pub fn size(&self) -> UVec2 {
+        self.pool.size
+    }
+
+    /// The image of a slot that the pass declared.
+    ///
+    /// # Errors
+    /// When it did not declare it, or nothing has made it.
+    pub fn texture(&self, slot: Slot) -> Result<&Texture, Error> {
+        let declared = self.access.touched();
+        let undeclared = || Error::Undeclared { pass: self.access.name.clone(), slot: slot.name, declared: declared.clone() };
+        if !declared.contains(&slot.name) {
+            return Err(undeclared());
+        }
+        self.pool.get(slot).ok_or_else(|| Error::NoProducer {
+            pass: self.access.name.clone(),
+            slot: slot.name,
+            written: self.pool.textures.keys().copied().collect(),
+        })
+    }
+
+    /// The view of a slot that the pass declared: of all its layers where it has one for each light.
+    ///
+    /// # Errors
+    /// As [`Self::texture`].
+    pub fn view(&self, slot: Slot) -> Result<wgpu::TextureView, Error> {
+        let texture = self.texture(slot)?;
+        Ok(match slot.layers {
+            Layers::One => texture.view.clone(),
+            Layers::PerLight => texture.array(),
+        })
+    }
+}

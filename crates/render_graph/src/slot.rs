@@ -1,0 +1,80 @@
+//! Slots: the named images that passes hand to each other, each with its format, unit and meaning.
+//!
+//! A pass names the slots it reads and writes; nothing else connects passes. What a technique needs to know about its input is a
+//! property of the slot, never a parameter of the technique that made it.
+
+use wgpu::TextureFormat;
+
+/// A named image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slot {
+    /// Name in messages and timers.
+    pub name: &'static str,
+    /// Texel format.
+    pub format: TextureFormat,
+    /// Layers.
+    pub layers: Layers,
+    /// Unit of a texel.
+    pub unit: &'static str,
+    /// What a texel means.
+    pub doc: &'static str,
+}
+
+/// Layers of a slot's image; all of them have the size of the frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layers {
+    /// A plain image.
+    One,
+    /// An array with a layer for each light of the group that is worked on.
+    PerLight,
+}
+
+macro_rules! slots {
+    ($($(#[doc = $doc:literal])+ $name:ident = $text:literal, $format:ident, $layers:ident, $unit:literal;)*) => {$(
+        $(#[doc = $doc])+
+        pub const $name: Slot =
+            Slot { name: $text, format: TextureFormat::$format, layers: Layers::$layers, unit: $unit, doc: concat!($($doc),+) };
+    )*
+        /// Every slot that is declared here.
+        pub const ALL: &[Slot] = &[$($name),*];
+    };
+}
+
+slots! {
+    /// Reversed depth: near / distance along the view axis, 0 where nothing is seen. Parallel cameras: 1 − distance / far.
+    DEPTH = "depth", Depth32Float, One, "1";
+    /// Shading and geometric normal in world axes, both towards the viewer, octahedral: each packed as two 16-bit signed numbers.
+    NORMAL = "normal", Rg32Uint, One, "1";
+    /// Base colour and metalness: diffuse albedo is rgb · (1 − a).
+    ALBEDO = "albedo", Rgba16Float, One, "1";
+    /// Reflectance at normal incidence of the base layer, and perceptual roughness.
+    F0_ROUGHNESS = "f0_roughness", Rgba16Float, One, "1";
+    /// The other layers of the material, packed: clear coat, sheen, anisotropy, transmission, film.
+    LAYERS = "layers", Rgba32Uint, One, "1";
+    /// Emitted radiance of the surface; of the environment where nothing is seen.
+    EMISSION = "emission", Rgba16Float, One, "W/(m² sr)";
+    /// Where the surface point was one frame ago minus where it is now, pixels, x right and y down; invalid is (−1e9, −1e9).
+    MOTION = "motion", Rg32Float, One, "px";
+    /// Instance + 1, material + 1, triangle of the mesh, flags; zeros where nothing is seen.
+    IDS = "ids", Rgba32Uint, One, "1";
+    /// V: the share of each light that the point sees.
+    SHADOW_VISIBILITY = "shadow_visibility", R32Float, PerLight, "1";
+    /// Reflected light that arrives straight from lights.
+    DIRECT = "direct", Rgba32Float, One, "W/(m² sr)";
+    /// The linear picture before exposure.
+    COLOR = "color", Rgba32Float, One, "W/(m² sr)";
+    /// The picture after exposure and tone map, encoded for sRGB displays.
+    DISPLAY = "display", Rgba8Unorm, One, "sRGB";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique() {
+        for (i, a) in ALL.iter().enumerate() {
+            assert!(ALL[..i].iter().all(|b| b.name != a.name), "{} twice", a.name);
+        }
+    }
+}

@@ -91,7 +91,6 @@ impl Interface {
             bind_group_layouts: &references,
             immediate_size: 0,
         });
-        let declared = declared.into_iter().map(|binding| Binding { name: plain_name(&binding.name), ..binding }).collect();
         Self { name: shader.linked.name.clone(), declared, groups, layout }
     }
 
@@ -237,9 +236,4 @@ impl RenderPipeline {
         }
         Ok(())
     }
-}
-
-/// The name of a variable in the file that declares it: the linker mangles names of imported modules as `package_module__2name`.
-fn plain_name(linked: &str) -> String {
-    linked.to_owned()
 }

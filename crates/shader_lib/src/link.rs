@@ -135,8 +135,8 @@ fn compile(
         sources.wgsl_error(&names, &linked.syntax, &wgsl, span, &diagnose::chain(error.as_inner()))
     })?;
 
-    let bindings = reflect::bindings(&module, &info);
-    let entry_points = reflect::entry_points(&module, &info, &bindings);
+    let bindings = reflect::bindings(&module, &info, &names);
+    let entry_points = reflect::entry_points(&module, &info, &names, &bindings);
     let structs = reflect::structs(&module, &names);
     let overrides = reflect::overrides(&module, &names);
     Ok(Linked { name: name.to_owned(), wgsl, module, info, bindings, entry_points, structs, overrides })

@@ -14,7 +14,7 @@ pub struct Binding {
     pub group: u32,
     /// `@binding`.
     pub binding: u32,
-    /// Name of the variable; Rust binds by it.
+    /// Name of the variable in the file that declares it; Rust binds by it.
     pub name: String,
     /// What may be bound.
     pub kind: BindingKind,
@@ -112,7 +112,7 @@ pub struct Override {
     pub default: Option<f64>,
 }
 
-pub(crate) fn bindings(module: &naga::Module, info: &ModuleInfo) -> Vec<Binding> {
+pub(crate) fn bindings(module: &naga::Module, info: &ModuleInfo, names: &Names) -> Vec<Binding> {
     let layouter = layouter(module);
     let used: BTreeSet<_> = (0..module.entry_points.len())
         .flat_map(|entry| module.global_variables.iter().filter(move |(handle, _)| !info.get_entry_point(entry)[*handle].is_empty()))
@@ -124,13 +124,13 @@ pub(crate) fn bindings(module: &naga::Module, info: &ModuleInfo) -> Vec<Binding>
         .global_variables
         .iter()
         .filter(|(handle, _)| module.entry_points.is_empty() || used.contains(&handle.index()))
-        .filter_map(|(handle, variable)| binding(module, &layouter, variable, sampled.contains(&handle.index())))
+        .filter_map(|(handle, variable)| binding(module, &layouter, names, variable, sampled.contains(&handle.index())))
         .collect();
     bindings.sort_by_key(|binding| (binding.group, binding.binding));
     bindings
 }
 
-fn binding(module: &naga::Module, layouter: &Layouter, variable: &GlobalVariable, sampled: bool) -> Option<Binding> {
+fn binding(module: &naga::Module, layouter: &Layouter, names: &Names, variable: &GlobalVariable, sampled: bool) -> Option<Binding> {
     let place = variable.binding?;
     let (ty, count) = match module.types[variable.ty].inner {
         TypeInner::BindingArray { base, size } => (base, Some(array_length(size))),
@@ -145,7 +145,12 @@ fn binding(module: &naga::Module, layouter: &Layouter, variable: &GlobalVariable
         (_, TypeInner::AccelerationStructure { .. }) => BindingKind::AccelerationStructure,
         _ => return None,
     };
-    Some(Binding { group: place.group, binding: place.binding, name: variable.name.clone().unwrap_or_default(), kind, count })
+    Some(Binding { group: place.group, binding: place.binding, name: variable_name(names, variable), kind, count })
+}
+
+/// The name in the file that declares it, also when that file is imported.
+fn variable_name(names: &Names, variable: &GlobalVariable) -> String {
+    variable.name.as_deref().map_or("", |name| names.original(name).1).to_owned()
 }
 
 fn image(dimension: naga::ImageDimension, arrayed: bool, class: ImageClass, sampled: bool) -> Option<BindingKind> {
@@ -167,12 +172,12 @@ fn array_length(size: ArraySize) -> u32 {
     }
 }
 
-pub(crate) fn entry_points(module: &naga::Module, info: &ModuleInfo, bindings: &[Binding]) -> Vec<EntryPoint> {
+pub(crate) fn entry_points(module: &naga::Module, info: &ModuleInfo, names: &Names, bindings: &[Binding]) -> Vec<EntryPoint> {
     let uses = |entry: usize, name: &str| {
         module
             .global_variables
             .iter()
-            .any(|(handle, variable)| variable.name.as_deref() == Some(name) && !info.get_entry_point(entry)[handle].is_empty())
+            .any(|(handle, variable)| variable_name(names, variable) == name && !info.get_entry_point(entry)[handle].is_empty())
     };
     let entry_point = |(index, entry): (usize, &naga::EntryPoint)| EntryPoint {
         name: entry.name.clone(),

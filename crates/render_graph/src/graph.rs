@@ -46,7 +46,10 @@ impl Pool {
             let depth = slot.format.is_depth_stencil_format();
             let storage = matches!(
                 slot.format,
-                wgpu::TextureFormat::R32Float | wgpu::TextureFormat::Rgba16Float | wgpu::TextureFormat::Rgba32Float | wgpu::TextureFormat::Rgba8Unorm
+                wgpu::TextureFormat::R32Float
+                    | wgpu::TextureFormat::Rgba16Float
+                    | wgpu::TextureFormat::Rgba32Float
+                    | wgpu::TextureFormat::Rgba8Unorm
             );
             let mut usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
             if storage && !depth {

@@ -36,7 +36,10 @@ impl Shader {
                 let found = self.linked.overrides.iter().find(|constant| constant.name == name);
                 found.map(|constant| (constant.key.as_str(), value)).ok_or_else(|| Error::Shader {
                     name: self.linked.name.clone(),
-                    reason: format!("no override `{name}`; it has: {:?}", self.linked.overrides.iter().map(|o| &o.name).collect::<Vec<_>>()),
+                    reason: format!(
+                        "no override `{name}`; it has: {:?}",
+                        self.linked.overrides.iter().map(|o| &o.name).collect::<Vec<_>>()
+                    ),
                 })
             })
             .collect()
@@ -63,8 +66,13 @@ struct Interface {
 
 impl Interface {
     fn new(device: &Device, shader: &Shader, entries: &[&EntryPoint], list_length: u32) -> Self {
-        let declared: Vec<Binding> =
-            shader.linked.bindings.iter().filter(|binding| entries.iter().any(|entry| entry.bindings.contains(&binding.name))).cloned().collect();
+        let declared: Vec<Binding> = shader
+            .linked
+            .bindings
+            .iter()
+            .filter(|binding| entries.iter().any(|entry| entry.bindings.contains(&binding.name)))
+            .cloned()
+            .collect();
         let stages = |binding: &Binding| {
             entries.iter().filter(|entry| entry.bindings.contains(&binding.name)).fold(wgpu::ShaderStages::NONE, |all, entry| {
                 all | match entry.stage {
@@ -82,7 +90,9 @@ impl Interface {
                     .filter(|binding| binding.group == group)
                     .map(|binding| bind::layout_entry(binding, stages(binding), list_length))
                     .collect();
-                device.wgpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(&shader.linked.name), entries: &entries })
+                device
+                    .wgpu
+                    .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(&shader.linked.name), entries: &entries })
             })
             .collect();
         let references: Vec<Option<&wgpu::BindGroupLayout>> = groups.iter().map(Some).collect();
@@ -152,7 +162,8 @@ impl ComputePipeline {
         invocations: glam::UVec3,
     ) -> Result<(), Error> {
         let groups = self.interface.bind(device, shared, own)?;
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(&self.interface.name), timestamp_writes: None });
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(&self.interface.name), timestamp_writes: None });
         pass.set_pipeline(&self.pipeline);
         for (index, group) in groups.iter().enumerate() {
             pass.set_bind_group(index as u32, group, &[]);

@@ -65,10 +65,19 @@ impl Timer {
         let count = (passes as u32).clamp(1, MAX_PASSES) * 2;
         let queries = device.info().timestamps.then(|| {
             let buffer = |usage| {
-                device.wgpu.create_buffer(&wgpu::BufferDescriptor { label: Some("timer"), size: u64::from(count) * 8, usage, mapped_at_creation: false })
+                device.wgpu.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some("timer"),
+                    size: u64::from(count) * 8,
+                    usage,
+                    mapped_at_creation: false,
+                })
             };
             Queries {
-                set: device.wgpu.create_query_set(&wgpu::QuerySetDescriptor { label: Some("timer"), ty: wgpu::QueryType::Timestamp, count }),
+                set: device.wgpu.create_query_set(&wgpu::QuerySetDescriptor {
+                    label: Some("timer"),
+                    ty: wgpu::QueryType::Timestamp,
+                    count,
+                }),
                 resolved: buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC),
                 mapped: buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
             }

@@ -26,6 +26,7 @@ mod brute_force;
 mod build;
 mod counters;
 mod error;
+pub mod gpu;
 mod lanes;
 mod offset;
 mod ray;

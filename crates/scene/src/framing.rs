@@ -1,7 +1,7 @@
 //! The camera for scenes that have none.
 
 use crate::{Camera, Instance, Mesh, PlacedCamera, Projection};
-use glam::{Mat4, Vec3};
+use glam::Vec3;
 use kajo_units::{Meters, Radians};
 use std::sync::Arc;
 

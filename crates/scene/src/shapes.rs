@@ -135,18 +135,34 @@ pub fn cylinder(radius: f32, height: f32, segments: u32) -> Mesh {
 
 /// A surface of revolution around the y axis from a profile of (radius, height) points, sharp at every point.
 ///
-/// The profile runs from bottom to top along an outer wall; a profile that starts and ends on the axis makes a closed body, and one
-/// that returns to its start a closed ring.
+/// The profile runs so that the body lies to its left: up along an outer wall. One that starts and ends on the axis makes a closed body.
 pub fn lathe(name: &str, profile: &[Vec2], segments: u32) -> Mesh {
+    revolve(name, profile, segments, 1.0)
+}
+
+/// As [`lathe`], smooth wherever the profile turns by less than 60°.
+pub fn smooth_lathe(name: &str, profile: &[Vec2], segments: u32) -> Mesh {
+    revolve(name, profile, segments, 0.5)
+}
+
+/// `crease`: cosine of the turn from which an edge is sharp.
+fn revolve(name: &str, profile: &[Vec2], segments: u32, crease: f32) -> Mesh {
+    let along: Vec<Vec2> = profile.windows(2).map(|pair| (pair[1] - pair[0]).normalize_or(Vec2::Y)).collect();
+    // The direction of the wall at an end of a segment that another one continues.
+    let blended = |own: Vec2, next: Option<&Vec2>| match next {
+        Some(&next) if own.dot(next) > crease => (own + next).normalize(),
+        _ => own,
+    };
     let mut mesh = Mesh { name: name.into(), ..Mesh::default() };
-    for pair in profile.windows(2) {
-        let [from, to] = [pair[0], pair[1]];
-        let along = (to - from).normalize_or(Vec2::Y);
-        patch(&mut mesh, [segments, 1], |s, t| {
+    for (index, pair) in profile.windows(2).enumerate() {
+        let own = along[index];
+        let start = blended(own, index.checked_sub(1).and_then(|i| along.get(i)));
+        let end = blended(own, along.get(index + 1));
+        patch(&mut mesh, [segments.max(3), 1], |s, t| {
             let around = turn(s);
             let outward = Vec3::new(around.y, 0.0, around.x);
-            let end = if t == 0.0 { from } else { to };
-            (outward * end.x + Vec3::Y * end.y, outward * along.y - Vec3::Y * along.x, Vec3::new(around.x, 0.0, -around.y))
+            let (point, wall) = if t == 0.0 { (pair[0], start) } else { (pair[1], end) };
+            (outward * point.x + Vec3::Y * point.y, outward * wall.y - Vec3::Y * wall.x, Vec3::new(around.x, 0.0, -around.y))
         });
     }
     mesh
@@ -211,5 +227,122 @@ impl Mesh {
         }
         self.colors.extend_from_slice(&other.colors);
         self.indices.extend(other.indices.iter().map(|t| t.map(|i| i + base)));
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use std::collections::HashMap;
+
+    /// Directed edges, by position, that no triangle runs the other way: none in a closed mesh with consistent winding.
+    pub(crate) fn open_edges(mesh: &Mesh) -> usize {
+        let key = |i: u32| (mesh.positions[i as usize] + 0.0).to_array().map(f32::to_bits);
+        let mut edges: HashMap<_, i64> = HashMap::new();
+        for &[a, b, c] in &mesh.indices {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                let (from, to) = (key(from), key(to));
+                *edges.entry(if from < to { (from, to) } else { (to, from) }).or_default() += if from < to { 1 } else { -1 };
+            }
+        }
+        edges.values().filter(|&&balance| balance != 0).count()
+    }
+
+    /// Volume that the mesh encloses, positive when fronts face outwards; by the divergence theorem.
+    fn volume(mesh: &Mesh) -> f32 {
+        let corner = |i: u32| mesh.positions[i as usize];
+        mesh.indices.iter().map(|t| t.map(corner)).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
+    }
+
+    /// Unit normals that agree with the winding, orthonormal tangents along growing u, indices in range, lists of one length.
+    pub(crate) fn assert_sound(mesh: &Mesh) {
+        let n = mesh.positions.len();
+        assert!(n > 0 && !mesh.indices.is_empty(), "{}: empty", mesh.name);
+        assert_eq!((mesh.normals.len(), mesh.tangents.len(), mesh.uvs[0].len()), (n, n, n), "{}", mesh.name);
+        for i in 0..n {
+            let (normal, tangent) = (mesh.normals[i], mesh.tangents[i].truncate());
+            assert!(mesh.positions[i].is_finite() && mesh.uvs[0][i].is_finite(), "{}", mesh.name);
+            assert!((normal.length() - 1.0).abs() < 1e-5, "{}: normal {normal}", mesh.name);
+            assert!((tangent.length() - 1.0).abs() < 1e-5 && normal.dot(tangent).abs() < 1e-5, "{}: tangent {tangent}", mesh.name);
+            assert!(mesh.tangents[i].w.abs() == 1.0);
+        }
+        for triangle in &mesh.indices {
+            assert!(triangle.iter().all(|&i| (i as usize) < n), "{}: {triangle:?}", mesh.name);
+            let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
+            let geometric = (b - a).cross(c - a);
+            assert!(geometric.length() > 0.0, "{}: a triangle without area", mesh.name);
+            let shading: Vec3 = triangle.iter().map(|&i| mesh.normals[i as usize]).sum();
+            assert!(geometric.dot(shading) > 0.0, "{}: normals oppose the winding of {triangle:?}", mesh.name);
+            // The texture's u grows along the tangent: dP/du by the chain rule over the triangle.
+            let [p, q, r] = triangle.map(|i| mesh.uvs[0][i as usize]);
+            let area = (q - p).perp_dot(r - p);
+            let along_u = ((b - a) * (r.y - p.y) - (c - a) * (q.y - p.y)) / area;
+            let tangent: Vec3 = triangle.iter().map(|&i| mesh.tangents[i as usize].truncate()).sum();
+            assert!(along_u.dot(tangent) > 0.0, "{}: tangents oppose u", mesh.name);
+            let handedness = -area.signum();
+            assert!(triangle.iter().all(|&i| mesh.tangents[i as usize].w == handedness), "{}: bitangent not up in the image", mesh.name);
+        }
+    }
+
+    fn solids() -> Vec<(Mesh, f32)> {
+        let bottle = [Vec2::ZERO, Vec2::new(0.5, 0.0), Vec2::new(0.5, 1.0), Vec2::new(0.2, 1.3), Vec2::new(0.0, 1.3)];
+        let bottle_volume = PI * 0.25 + PI * 0.3 / 3.0 * (0.25 + 0.1 + 0.04);
+        vec![
+            (cuboid(Vec3::new(0.5, 1.0, 2.0)), 8.0),
+            (rounded_cuboid(Vec3::ONE, 1.0, 16), 4.0 / 3.0 * PI),
+            (rounded_cuboid(Vec3::new(1.0, 2.0, 3.0), 1e-3, 2), 48.0),
+            (sphere(0.7, 128), 4.0 / 3.0 * PI * 0.343),
+            (torus(1.0, 0.25, [128, 64]), 2.0 * PI * PI * 0.0625),
+            (cylinder(0.5, 2.0, 128), PI * 0.5),
+            (lathe("bottle", &bottle, 128), bottle_volume),
+            (smooth_lathe("smooth bottle", &bottle, 128), bottle_volume),
+        ]
+    }
+
+    #[test]
+    fn solids_are_closed_sound_and_enclose_their_volume() {
+        for (mesh, expected) in solids() {
+            assert_sound(&mesh);
+            assert_eq!(open_edges(&mesh), 0, "{}", mesh.name);
+            assert!((volume(&mesh) / expected - 1.0).abs() < 0.01, "{}: {} for {expected}", mesh.name, volume(&mesh));
+        }
+    }
+
+    #[test]
+    fn sheets_are_sound_and_face_their_way() {
+        for (mesh, normal) in [
+            (rectangle(2.0, 1.0), Vec3::Z),
+            (floor(3.0, 2.0, 4.0), Vec3::Y),
+            (disk(1.0, 32), Vec3::Y),
+            (height_field([2.0, 3.0], [5, 7], |_, _| 0.5), Vec3::Y),
+        ] {
+            assert_sound(&mesh);
+            assert!(mesh.normals.iter().all(|n| n.distance(normal) < 1e-6), "{}", mesh.name);
+            assert!(open_edges(&mesh) > 0, "{}: the check of closedness sees a border", mesh.name);
+        }
+        assert_sound(&height_field([2.0; 2], [32; 2], |x, z| 0.3 * (3.0 * x).sin() * (2.0 * z).cos()));
+    }
+
+    #[test]
+    fn a_missing_triangle_opens_a_solid() {
+        let mut mesh = sphere(1.0, 16);
+        mesh.indices.pop();
+        assert_eq!(open_edges(&mesh), 3);
+    }
+
+    #[test]
+    fn inside_out_turns_fronts_and_normals() {
+        let room = cuboid(Vec3::ONE).inside_out();
+        assert_sound(&room);
+        assert!((volume(&room) + 8.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn moved_and_appended_meshes_stay_sound() {
+        let mut mesh = cuboid(Vec3::splat(0.5)).moved(Quat::from_rotation_x(0.7), Vec3::new(3.0, 0.0, 0.0));
+        mesh.append(&torus(1.0, 0.2, [24, 12]));
+        assert_sound(&mesh);
+        assert_eq!(open_edges(&mesh), 0);
+        assert_eq!(mesh.indices.len(), 12 + 2 * 24 * 12);
     }
 }

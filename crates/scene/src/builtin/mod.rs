@@ -1,7 +1,20 @@
 //! Scenes as code: what `builtin:NAME` names. Each stands in its own file and is listed in [`all`].
 
+mod chair_room;
 mod cornell;
+mod furnace;
+mod glossy_floor;
+mod many_lights;
+mod mirror_room;
+mod moving;
+mod noise;
+mod penumbra;
+mod room;
+mod shadows;
+mod spheres;
 mod stage;
+mod terrain;
+mod two_rooms;
 
 use crate::{Scene, SceneError};
 
@@ -33,7 +46,20 @@ pub fn all() -> &'static [BuiltinScene] {
     ALL
 }
 
-const ALL: &[BuiltinScene] = &[cornell::SCENE];
+const ALL: &[BuiltinScene] = &[
+    cornell::SCENE,
+    furnace::SCENE,
+    spheres::SCENE,
+    shadows::SCENE,
+    penumbra::SCENE,
+    mirror_room::SCENE,
+    glossy_floor::SCENE,
+    chair_room::SCENE,
+    many_lights::SCENE,
+    two_rooms::SCENE,
+    moving::SCENE,
+    terrain::SCENE,
+];
 
 /// The scene of a reference without its `builtin:`, such as `cornell` or `terrain:100000`.
 ///
@@ -96,5 +122,60 @@ mod tests {
         assert!(message("cornel").contains("did you mean `builtin:cornell`?"), "{}", message("cornel"));
         assert!(message("zzzzzzzz").contains("the built-in scenes are cornell"), "{}", message("zzzzzzzz"));
         assert!(message("cornell:3").contains("takes no number"), "{}", message("cornell:3"));
+    }
+
+    #[test]
+    fn every_scene_is_sound() {
+        for builtin in all() {
+            let count = builtin.count.map_or(0, |c| c.default.min(3000));
+            let scene = (builtin.make)(count);
+            let name = builtin.name;
+            assert!(scene.exposure.is_some() && !scene.cameras.is_empty() && !scene.meshes.is_empty(), "{name}");
+            for mesh in &scene.meshes {
+                crate::shapes::tests::assert_sound(mesh);
+                assert!(mesh.material < scene.materials.len(), "{name}");
+            }
+            for node in &scene.nodes {
+                assert!(matrix_of(node.transform).is_finite(), "{name}: {}", node.name);
+                assert!(node.meshes.iter().all(|&m| m < scene.meshes.len()), "{name}");
+                assert!(node.light.is_none_or(|l| l < scene.lights.len()) && node.camera.is_none_or(|c| c < scene.cameras.len()), "{name}");
+            }
+            let lit = !scene.lights.is_empty() || scene.environment.is_some() || scene.materials.iter().any(crate::Material::is_emissive);
+            assert!(lit, "{name}");
+            assert!(scene.lights.iter().all(|l| l.emission.is_finite() && l.emission.0.min_element() >= 0.0), "{name}");
+            for material in &scene.materials {
+                let color = material.base_color.0;
+                assert!(color.min_element() >= 0.0 && color.max_element() <= 1.0, "{name}: {}", material.name);
+            }
+            for (index, texture) in scene.textures.iter().enumerate() {
+                let image = &scene.images[texture.image];
+                let crate::Texels::Rgba8(texels) = &image.texels else { panic!("{name}: texture {index}") };
+                assert_eq!(texels.len(), image.width as usize * image.height as usize, "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn names_are_unique_and_described() {
+        for (index, builtin) in all().iter().enumerate() {
+            assert!(!builtin.description.is_empty() && builtin.description.len() < 120);
+            assert!(all()[..index].iter().all(|other| other.name != builtin.name));
+        }
+    }
+
+    #[test]
+    fn numbers_are_taken_and_limited() {
+        assert_eq!(load("many-lights:7").unwrap().lights.len(), 7);
+        assert_eq!(load("terrain:1000").unwrap().name, "builtin:terrain:1000");
+        for wrong in ["terrain:0", "terrain:x", "terrain:-3", "terrain:", "terrain:99999999999"] {
+            let message = load(wrong).unwrap_err().to_string();
+            assert!(message.contains("is not a number of triangles from 1 to 20000000"), "{message}");
+        }
+    }
+
+    #[test]
+    fn lamps_share_one_power() {
+        let power = |n: u32| load(&format!("many-lights:{n}")).unwrap().lights.iter().map(|l| l.emission.luminance()).sum::<f32>();
+        assert!((power(10) / power(1000) - 1.0).abs() < 1e-3);
     }
 }

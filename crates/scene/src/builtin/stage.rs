@@ -1,7 +1,10 @@
 //! Puts a built-in scene together: materials, placed meshes, lights and cameras by name.
 
-use crate::{Camera, Environment, Light, LightShape, Material, Mesh, Node, Projection, Scene, Transform};
-use glam::{Mat3, Mat4, Quat, Vec3};
+use crate::{
+    Animation, Camera, ColorSpace, Environment, Filter, Light, LightShape, Material, Mesh, Node, Projection, Scene, Texels, Texture,
+    TextureImage, TextureRef, Transform, Wrap,
+};
+use glam::{Affine2, Mat3, Quat, Vec2, Vec3};
 use kajo_units::{LinearRgb, Meters, Radians};
 use std::sync::Arc;
 
@@ -64,6 +67,20 @@ impl Stage {
         self.scene.environment = Some(Environment::uniform(radiance));
     }
 
+    /// Adds an image of `size × size` sRGB-encoded texels; returns a use of it that repeats `repeat` times over a unit of uv.
+    pub fn texture(&mut self, name: &str, size: u32, repeat: f32, texel: impl Fn(u32, u32) -> [u8; 4]) -> TextureRef {
+        let texels = (0..size).flat_map(|y| (0..size).map(move |x| (x, y))).map(|(x, y)| texel(x, y)).collect();
+        self.scene.images.push(Arc::new(TextureImage { name: name.into(), width: size, height: size, texels: Texels::Rgba8(texels) }));
+        let image = self.scene.images.len() - 1;
+        self.scene.textures.push(Texture { image, wrap: [Wrap::Repeat; 2], filter: Filter::Nearest, color_space: ColorSpace::Srgb });
+        TextureRef { texture: self.scene.textures.len() - 1, uv_set: 0, transform: Affine2::from_scale(Vec2::splat(repeat)) }
+    }
+
+    /// Adds an animation that plays with the scene.
+    pub fn animation(&mut self, animation: Animation) {
+        self.scene.animations.push(animation);
+    }
+
     /// Adds a node as it is.
     pub fn node(&mut self, node: Node) -> usize {
         self.scene.nodes.push(node);
@@ -79,6 +96,16 @@ impl Stage {
 /// A surface that only scatters: pure Lambert with the given albedo (no specular reflection, no metal).
 pub(super) fn lambert(albedo: LinearRgb) -> Material {
     Material { base_color: albedo, metallic: 0.0, roughness: 1.0, specular: 0.0, ..Material::default() }
+}
+
+/// A shiny dielectric: a coloured body under a clear surface of index 1.5.
+pub(super) fn plastic(color: LinearRgb, roughness: f32) -> Material {
+    Material { base_color: color, metallic: 0.0, roughness, ..Material::default() }
+}
+
+/// A metal of the given reflectance at normal incidence.
+pub(super) fn metal(f0: LinearRgb, roughness: f32) -> Material {
+    Material { base_color: f0, metallic: 1.0, roughness, ..Material::default() }
 }
 
 /// A translation.
@@ -98,10 +125,4 @@ pub(super) fn looking(eye: Vec3, target: Vec3) -> Transform {
     let right = up.cross(back).normalize();
     let rotation = Quat::from_mat3(&Mat3::from_cols(right, back.cross(right), back));
     Transform::Trs { translation: eye, rotation, scale: Vec3::ONE }
-}
-
-/// An affine matrix, row by row as papers and scene dictionaries print it.
-pub(super) fn matrix(rows: [[f32; 4]; 3]) -> Transform {
-    let [x, y, z] = rows.map(glam::Vec4::from_array);
-    Transform::Matrix(Mat4::from_cols(x, y, z, glam::Vec4::W).transpose())
 }

@@ -1,0 +1,1 @@
+//! `kajo metrics`: how an image differs from a reference.

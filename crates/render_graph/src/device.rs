@@ -117,6 +117,14 @@ impl Device {
         Ok(Self { wgpu, queue, info, memory: Memory::default(), trouble })
     }
 
+    /// Every adapter that answers, the one that [`AdapterChoice::Auto`] takes without `KAJO_ADAPTER` first. Opens none.
+    pub fn list() -> Vec<DeviceInfo> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+        adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
+        adapters.iter().map(|adapter| describe(adapter, adapter.features(), &adapter.limits())).collect()
+    }
+
     /// Adapter, driver and limits, for the report.
     pub fn info(&self) -> &DeviceInfo {
         &self.info

@@ -1,6 +1,8 @@
 //! One file a command.
 
 mod coverage;
+mod devices;
+mod scenes;
 
 use crate::arguments::{Command, Kajo};
 use crate::failure::Outcome;
@@ -10,6 +12,8 @@ pub fn run(arguments: &Kajo) -> Outcome {
     let common = &arguments.common;
     match &arguments.command {
         Command::Coverage { status } => coverage::run(common, status.as_deref()),
+        Command::Devices { plain } => devices::run(common, *plain),
+        Command::Scenes => scenes::run(common),
         _ => unreachable!(),
     }
 }

@@ -1,1 +1,0 @@
-//! `kajo metrics`: how an image differs from a reference.

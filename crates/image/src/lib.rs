@@ -13,6 +13,7 @@ mod hdr;
 mod limits;
 mod png_file;
 mod read;
+pub mod tone_map;
 
 pub use atomic::write_atomic;
 pub use buffer::Image;
@@ -24,3 +25,4 @@ pub use hdr::write_hdr;
 pub use limits::{MAX_PIXELS, MAX_SIDE, check_size};
 pub use png_file::{encode_png, write_png};
 pub use read::{decode_image, read_image};
+pub use tone_map::{ToneMap, tone_map};

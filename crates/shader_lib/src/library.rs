@@ -17,7 +17,7 @@ macro_rules! modules {
 }
 
 /// Every module of the library.
-pub const MODULES: &[Module] = modules!["color", "math", "random",];
+pub const MODULES: &[Module] = modules!["camera", "color", "light", "math", "packing", "random", "tone_map", "warp"];
 
 /// The module at `path` (with slashes).
 pub fn module(path: &str) -> Option<&'static Module> {

@@ -2,6 +2,7 @@
 
 mod coverage;
 mod devices;
+mod metrics;
 mod scenes;
 
 use crate::arguments::{Command, Kajo};
@@ -13,6 +14,7 @@ pub fn run(arguments: &Kajo) -> Outcome {
     match &arguments.command {
         Command::Coverage { status } => coverage::run(common, status.as_deref()),
         Command::Devices { plain } => devices::run(common, *plain),
+        Command::Metrics(arguments) => metrics::run(common, arguments),
         Command::Scenes => scenes::run(common),
         _ => unreachable!(),
     }

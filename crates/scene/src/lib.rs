@@ -10,10 +10,12 @@ mod environment_lookup;
 mod error;
 pub mod framing;
 mod load;
+mod merge;
 pub mod model;
 mod nearest;
 pub mod shapes;
 mod snapshot;
+pub mod summary;
 mod surface;
 #[cfg(test)]
 mod test_assets;
@@ -24,4 +26,5 @@ pub use error::SceneError;
 pub use load::{LoadOptions, load};
 pub use model::*;
 pub use snapshot::{Instance, PlacedCamera, PlacedLight, Snapshot};
+pub use summary::Summary;
 pub use surface::{SurfaceMaterial, SurfaceUv};

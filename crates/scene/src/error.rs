@@ -61,6 +61,14 @@ pub enum SceneError {
         /// The largest accepted value.
         limit: u64,
     },
+    /// A reference to a built-in scene that does not exist, or with a number that it does not take.
+    #[error("`{reference}`: {problem}")]
+    UnknownBuiltin {
+        /// What the user wrote.
+        reference: String,
+        /// What is wrong, and what there is.
+        problem: String,
+    },
     /// A picture cannot be read; the image crate's sentence names the file.
     #[error(transparent)]
     Image(#[from] kajo_image::ImageError),

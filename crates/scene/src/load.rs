@@ -1,22 +1,164 @@
-//! From what the user types to a scene.
+//! From what the user types to a scene that can be rendered.
 
-use crate::{Scene, SceneError, builtin};
+use crate::{Camera, Environment, Ignored, Node, Scene, SceneError, Transform, builtin, framing, load_environment};
+use kajo_units::LinearRgb;
+use std::path::{Path, PathBuf};
 
 /// How to load a scene.
 #[derive(Clone, Debug, Default)]
-pub struct LoadOptions {}
+pub struct LoadOptions {
+    /// An environment file that replaces the scene's own.
+    pub environment: Option<PathBuf>,
+}
 
-/// Loads the scene that `reference` names: a path ending in `.gltf`, `.glb`, `.obj` or `.kajo.toml`, or `builtin:NAME[:N]`.
+/// Loads the scene that `reference` names: a path ending in `.gltf`, `.glb`, `.obj` or `.toml`, or `builtin:NAME[:N]`.
+///
+/// A scene without a camera gets one that frames it ([`framing`]); one without any light gets a uniform white environment of radiance 1, and
+/// [`Scene::ignored`] says so.
 ///
 /// # Errors
 /// See [`SceneError`]; nothing of a failed scene is returned.
-pub fn load(reference: &str, _options: &LoadOptions) -> Result<Scene, SceneError> {
+pub fn load(reference: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
+    let mut scene = import(reference)?;
+    if let Some(path) = &options.environment {
+        let (environment, ignored) = load_environment(path)?;
+        scene.environment = Some(environment);
+        scene.ignored.extend(ignored);
+    }
+    add_camera(&mut scene);
+    add_light(&mut scene);
+    Ok(scene)
+}
+
+/// The scene as its file has it.
+fn import(reference: &str) -> Result<Scene, SceneError> {
     if let Some(name) = reference.strip_prefix("builtin:") {
         return builtin::load(name);
     }
-    Err(SceneError::Unsupported {
-        file: reference.into(),
-        feature: "this kind of file".into(),
-        advice: "give a .gltf, .glb, .obj or .kajo.toml file, or builtin:NAME".into(),
-    })
+    let path = Path::new(reference);
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match extension.as_str() {
+        _ if !path.exists() && extension.is_empty() && builtin::all().iter().any(|b| b.name == reference) => {
+            Err(SceneError::UnknownBuiltin { reference: reference.into(), problem: format!("did you mean `builtin:{reference}`?") })
+        }
+        _ => Err(SceneError::Unsupported {
+            file: reference.into(),
+            feature: "this kind of file".into(),
+            advice: "give a .gltf, .glb, .obj or .kajo.toml file, or builtin:NAME".into(),
+        }),
+    }
+}
+
+/// Frames a scene that has no placed camera.
+fn add_camera(scene: &mut Scene) {
+    if scene.nodes.iter().any(|node| node.camera.is_some()) {
+        return;
+    }
+    let placed = framing::camera_for(scene);
+    let (scale, rotation, translation) = placed.world_from_view.to_scale_rotation_translation();
+    debug_assert!(scale.abs_diff_eq(glam::Vec3::ONE, 1e-3), "a view is rigid: {scale}");
+    let name = unused_name(scene, &placed.camera.name);
+    let transform = Transform::Trs { translation, rotation, scale: glam::Vec3::ONE };
+    scene.nodes.push(Node { name: name.clone(), transform, camera: Some(scene.cameras.len()), ..Node::default() });
+    scene.cameras.push(Camera { name, ..placed.camera });
+}
+
+/// `wanted`, unless an unplaced camera of the file has that name.
+fn unused_name(scene: &Scene, wanted: &str) -> String {
+    let mut name = wanted.to_owned();
+    while scene.cameras.iter().any(|camera| camera.name == name) {
+        name.push('\'');
+    }
+    name
+}
+
+/// Lights a scene that nothing lights.
+fn add_light(scene: &mut Scene) {
+    let placed_light = scene.nodes.iter().any(|node| node.light.is_some_and(|light| !scene.lights[light].emission.is_black()));
+    let shown = scene.nodes.iter().flat_map(|node| &node.meshes).map(|&mesh| scene.meshes[mesh].material);
+    let emissive = shown.into_iter().any(|material| scene.materials[material].is_emissive());
+    if placed_light || emissive || scene.environment.is_some() {
+        return;
+    }
+    scene.environment = Some(Environment::uniform(LinearRgb::WHITE));
+    scene.ignored.push(Ignored {
+        file: scene.name.clone(),
+        place: String::new(),
+        feature: "no light".into(),
+        consequence: "a uniform white environment of radiance 1 was added; give an environment with --env".into(),
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Material, Mesh, shapes};
+    use std::sync::Arc;
+
+    fn bare() -> Scene {
+        Scene {
+            name: "bare".into(),
+            nodes: vec![Node { meshes: vec![0], ..Node::default() }],
+            meshes: vec![Arc::new(shapes::sphere(1.0, 8))],
+            materials: vec![Material::default()],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn a_scene_without_light_gets_a_white_environment_and_a_note() {
+        let mut scene = bare();
+        add_light(&mut scene);
+        let environment = scene.environment.unwrap();
+        assert_eq!((environment.scale, environment.image.is_none()), (LinearRgb::WHITE, true));
+        assert_eq!(scene.ignored.len(), 1);
+        assert!(scene.ignored[0].to_string().starts_with("bare: no light: a uniform white environment"), "{}", scene.ignored[0]);
+    }
+
+    #[test]
+    fn lamps_glowing_meshes_and_environments_are_light_and_their_absence_is_not() {
+        let mut glowing = bare();
+        glowing.materials[0].emission = LinearRgb::WHITE;
+        add_light(&mut glowing);
+        assert!(glowing.environment.is_none());
+
+        // A glowing material that nothing shows does not light anything.
+        let mut hidden = bare();
+        hidden.materials.push(Material { emission: LinearRgb::WHITE, ..Material::default() });
+        hidden.meshes.push(Arc::new(Mesh { material: 1, ..shapes::sphere(1.0, 8) }));
+        add_light(&mut hidden);
+        assert!(hidden.environment.is_some());
+
+        let mut lamp = builtin::load("cornell").unwrap();
+        add_light(&mut lamp);
+        assert!(lamp.environment.is_none() && lamp.ignored.is_empty());
+    }
+
+    #[test]
+    fn a_scene_without_camera_gets_one_that_its_nodes_place() {
+        let mut scene = bare();
+        add_camera(&mut scene);
+        let snapshot = crate::Snapshot::new(&scene, kajo_units::Seconds(0.0));
+        assert_eq!(snapshot.cameras.len(), 1);
+        let direct = framing::camera_for(&bare());
+        assert!(snapshot.cameras[0].world_from_view.abs_diff_eq(direct.world_from_view, 1e-4));
+        let before = scene.cameras.len();
+        add_camera(&mut scene);
+        assert_eq!(scene.cameras.len(), before, "a second call finds the camera");
+    }
+
+    #[test]
+    fn foreign_files_and_forgotten_prefixes_are_explained() {
+        let message = |reference| load(reference, &LoadOptions::default()).unwrap_err().to_string();
+        assert!(message("scene.blend").contains("give a .gltf, .glb, .obj or .kajo.toml file"), "{}", message("scene.blend"));
+        assert!(message("cornell").contains("did you mean `builtin:cornell`?"), "{}", message("cornell"));
+    }
+
+    #[test]
+    fn the_environment_of_the_options_replaces_the_scenes() {
+        let Some(assets) = crate::test_assets::directory() else { return };
+        let options = LoadOptions { environment: Some(assets.join("env/spiaggia_di_mondello_1k.hdr")) };
+        let scene = load("builtin:spheres", &options).unwrap();
+        assert_eq!(scene.environment.unwrap().image.unwrap().width, 1024);
+    }
 }

@@ -66,32 +66,27 @@ const ALL: &[BuiltinScene] = &[
 /// # Errors
 /// An unknown name (the nearest one is offered), a number where the scene takes none, or one out of range.
 pub fn load(reference: &str) -> Result<Scene, SceneError> {
-    let file = format!("builtin:{reference}");
+    let whole = format!("builtin:{reference}");
+    let wrong = |problem: String| SceneError::UnknownBuiltin { reference: whole.clone(), problem };
     let (name, number) = reference.split_once(':').map_or((reference, None), |(name, number)| (name, Some(number)));
     let Some(builtin) = ALL.iter().find(|b| b.name == name) else {
         let names: Vec<_> = ALL.iter().map(|b| b.name).collect();
-        let advice = match crate::nearest::nearest(name, &names) {
-            Some(nearest) => format!("did you mean `builtin:{nearest}`?"),
-            None => format!("the built-in scenes are {}", names.join(", ")),
-        };
-        return Err(SceneError::invalid(&file, "name", format!("no built-in scene has this name; {advice}")));
+        return Err(wrong(match crate::nearest::nearest(name, &names) {
+            Some(nearest) => format!("no built-in scene has this name; did you mean `builtin:{nearest}`?"),
+            None => format!("no built-in scene has this name; there are {}", names.join(", ")),
+        }));
     };
     let count = match (builtin.count, number) {
         (None, None) => 0,
         (Some(count), None) => count.default,
-        (None, Some(number)) => {
-            return Err(SceneError::invalid(&file, "number", format!("`{name}` takes no number, got `{number}`; leave it out")));
-        }
+        (None, Some(number)) => return Err(wrong(format!("`{name}` takes no number, got `{number}`; leave it out"))),
         (Some(count), Some(number)) => match number.parse::<u32>() {
             Ok(n) if (1..=count.max).contains(&n) => n,
-            _ => {
-                let problem = format!("`{number}` is not a number of {} from 1 to {}", count.what, count.max);
-                return Err(SceneError::invalid(&file, "number", problem));
-            }
+            _ => return Err(wrong(format!("`{number}` is not a number of {} from 1 to {}", count.what, count.max))),
         },
     };
     let mut scene = (builtin.make)(count);
-    scene.name = file;
+    scene.name = whole;
     Ok(scene)
 }
 
@@ -120,7 +115,7 @@ mod tests {
     fn unknown_names_and_wrong_numbers_are_explained() {
         let message = |reference| load(reference).unwrap_err().to_string();
         assert!(message("cornel").contains("did you mean `builtin:cornell`?"), "{}", message("cornel"));
-        assert!(message("zzzzzzzz").contains("the built-in scenes are cornell"), "{}", message("zzzzzzzz"));
+        assert!(message("zzzzzzzz").contains("there are cornell, furnace"), "{}", message("zzzzzzzz"));
         assert!(message("cornell:3").contains("takes no number"), "{}", message("cornell:3"));
     }
 

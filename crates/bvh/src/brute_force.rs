@@ -1,10 +1,11 @@
 //! The definition of the answer: every triangle of every instance, one after the other.
 
 use crate::{
+    lanes::{Lanes, Portable},
     ray::{Filter, Hit, Ray},
     tlas::Tlas,
     traverse::Nearest,
-    triangle::ShearedRay,
+    triangle::{BLOCK_SIZE, ShearedRay},
 };
 
 impl Tlas {
@@ -36,11 +37,15 @@ impl Tlas {
                 continue;
             }
             let sheared = ShearedRay::new(&local);
-            for (primitive, triangle) in self.blases()[placed.blas as usize].triangles() {
-                let Some(crossing) = sheared.cross(triangle.map(|p| p.to_array())) else { continue };
-                let hit = Hit { t: crossing.t, u: crossing.u, v: crossing.v, primitive, instance: placed.instance };
-                if hit.t > ray.t_min && hit.t < ray.t_max && filter.exclude != Some(hit.primitive_ref()) {
-                    visit(hit, placed.opaque);
+            for block in self.blases()[placed.blas as usize].blocks() {
+                let candidates = Portable::triangles(&sheared, block);
+                for lane in (0..BLOCK_SIZE).filter(|lane| candidates >> lane & 1 == 1) {
+                    let Some(crossing) = sheared.cross_lane(block, lane) else { continue };
+                    let primitive = block.primitives[lane];
+                    let hit = Hit { t: crossing.t, u: crossing.u, v: crossing.v, primitive, instance: placed.instance };
+                    if hit.t > ray.t_min && hit.t < ray.t_max && filter.exclude != Some(hit.primitive_ref()) {
+                        visit(hit, placed.opaque);
+                    }
                 }
             }
         }

@@ -134,7 +134,8 @@ impl ShearedRay {
             return None;
         }
         let sum = u + v + w;
-        if sum == 0.0 {
+        // Not `sum == 0`: NaN, from an unused lane, is no hit either.
+        if !(sum.abs() > 0.0) {
             return None;
         }
         let t = (u * a[2] + v * b[2] + w * c[2]) / (sum * f64::from(self.dz));
@@ -151,4 +152,67 @@ impl ShearedRay {
 /// Sign of the edge function of (p, q) when the origin moves to (δ, δ²), δ → 0⁺:  δ (p_y − q_y) + δ² (q_x − p_x).
 fn limit_sign(p: [f64; 3], q: [f64; 3]) -> bool {
     if p[1] != q[1] { p[1] > q[1] } else { q[0] > p[0] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cross(origin: [f32; 3], direction: [f32; 3], triangle: [[f32; 3]; 3]) -> Option<Crossing> {
+        ShearedRay::new(&Ray::new(origin.into(), direction.into())).cross(triangle)
+    }
+
+    #[test]
+    fn the_crossing_is_where_algebra_puts_it() {
+        let triangle = [[0.0, 0.0, 2.0], [4.0, 0.0, 2.0], [0.0, 4.0, 6.0]];
+        // The plane is z = 2 + y; the ray (1, 1, 0) + t (0, 0, ½) meets it at z = 3.
+        let hit = cross([1.0, 1.0, 0.0], [0.0, 0.0, 0.5], triangle).unwrap();
+        assert_eq!(hit, Crossing { t: 6.0, u: 0.25, v: 0.25 });
+        // From the other side, and backwards.
+        assert_eq!(cross([1.0, 1.0, 10.0], [0.0, 0.0, -1.0], triangle).unwrap().t, 7.0);
+        assert_eq!(cross([1.0, 1.0, 4.0], [0.0, 0.0, 1.0], triangle).unwrap().t, -1.0);
+        assert_eq!(cross([3.0, 3.0, 0.0], [0.0, 0.0, 1.0], triangle), None);
+    }
+
+    #[test]
+    fn triangles_around_a_vertex_share_every_ray_through_it_once() {
+        // A fan of eight triangles around the origin, met exactly at the vertex, along every axis and its diagonals.
+        let ring: Vec<[f32; 3]> =
+            [[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]].map(|[x, y]| [x as f32, y as f32, 0.0]).to_vec();
+        for turn in 0..3 {
+            let rotate = |p: [f32; 3]| [p[turn], p[(turn + 1) % 3], p[(turn + 2) % 3]];
+            for slant in [[0.0, 0.0, 1.0], [0.5, 0.0, 1.0], [0.0, -0.5, 1.0], [0.5, 0.5, 1.0], [0.25, -0.75, -1.0]] {
+                for offset in [[0.0, 0.0], [0.5, 0.0], [0.5, 0.5], [-0.25, 0.0], [0.0, -0.5]] {
+                    let origin = [offset[0] - slant[0] * 4.0, offset[1] - slant[1] * 4.0, -slant[2] * 4.0];
+                    let hits = (0..8).filter_map(|i| {
+                        let triangle = [[0.0; 3], ring[i], ring[(i + 1) % 8]].map(rotate);
+                        cross(rotate(origin), rotate(slant), triangle)
+                    });
+                    assert_eq!(hits.map(|h| h.t).collect::<Vec<_>>(), [4.0], "offset {offset:?} slant {slant:?} turn {turn}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn triangles_without_area_are_never_hit() {
+        for triangle in
+            [[[0.0; 3]; 3], [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0]], [[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 0.0]]]
+        {
+            assert_eq!(cross([0.0, 0.0, -1.0], [0.0, 0.0, 1.0], triangle), None);
+        }
+        // Seen edge-on.
+        assert_eq!(cross([-2.0, 0.0, 0.0], [1.0, 0.0, 0.0], [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]), None);
+    }
+
+    #[test]
+    fn scale_changes_neither_the_answer_nor_the_weights() {
+        let triangle = [[0.1, 0.2, 2.0], [4.3, 0.4, 2.5], [0.3, 4.1, 6.0]];
+        let reference = cross([1.1, 1.2, 0.0], [0.01, 0.02, 0.5], triangle).unwrap();
+        for exponent in (-90..=50).step_by(10) {
+            let k = 2.0f32.powi(exponent);
+            let hit = cross([1.1 * k, 1.2 * k, 0.0], [0.01 * k, 0.02 * k, 0.5 * k], triangle.map(|p| p.map(|x| x * k)));
+            assert_eq!(hit, Some(reference), "scale 2^{exponent}");
+        }
+    }
 }

@@ -158,3 +158,29 @@ fn open(tree: &BinaryTree, parent: &BinaryNode) -> Vec<usize> {
     }
     children
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A node around the given boxes.
+    pub(crate) fn node_of(boxes: &[Aabb]) -> Node {
+        let mut node = Node::EMPTY;
+        for (slot, bounds) in boxes.iter().enumerate() {
+            node.set(slot, bounds, Child::leaf(slot, 1));
+        }
+        node
+    }
+
+    #[test]
+    fn references_keep_what_they_refer_to() {
+        for first in [0, 1, 12345, Child::MAX_INDEX - 1] {
+            for count in 1..=MAX_LEAF_BLOCKS {
+                let leaf = Child::leaf(first, count);
+                assert!(leaf.is_leaf() && leaf.items() == (first..first + count));
+            }
+            assert!(!Child::node(first).is_leaf() && Child::node(first).index() == first);
+        }
+        assert!(Child::leaf(Child::MAX_INDEX - 1, MAX_LEAF_BLOCKS) != Child::NONE);
+    }
+}

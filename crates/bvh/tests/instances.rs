@@ -42,7 +42,7 @@ fn placed_meshes_equal_brute_force_bit_for_bit() {
             same(expected, tlas.closest_hit(&ray, Filter::ALL, |_| unreachable!("all are opaque"))).unwrap();
             hits += usize::from(expected.is_some());
         }
-        assert!(hits > 300, "{hits}");
+        assert!(hits > 100, "{hits}");
     }
 }
 

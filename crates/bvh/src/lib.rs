@@ -21,6 +21,7 @@
 //! ```
 
 mod aabb;
+pub mod bench;
 mod blas;
 mod brute_force;
 mod build;

@@ -105,8 +105,7 @@ impl Tlas {
                 continue;
             }
             let bounds = blas.bounds().transformed(&instance.world_from_object);
-            // A comparison with NaN is false.
-            if !(bounds.max_abs() <= MAX_COORDINATE) {
+            if bounds.max_abs().is_nan() || bounds.max_abs() > MAX_COORDINATE {
                 return Err(BvhError::Transform { instance: number });
             }
             let Some((object_from_world, amplification)) = invert(&instance.world_from_object) else {
@@ -150,6 +149,11 @@ impl Tlas {
     pub fn with_backend(self, backend: Backend) -> Self {
         assert!(backend.is_supported(), "{backend:?} is not supported by this processor");
         Self { backend, ..self }
+    }
+
+    /// The instructions that traversal uses.
+    pub fn backend(&self) -> Backend {
+        self.backend
     }
 
     /// The nearest hit that `accept` confirms; hits on opaque instances need no confirmation.

@@ -134,8 +134,8 @@ impl ShearedRay {
             return None;
         }
         let sum = u + v + w;
-        // Not `sum == 0`: NaN, from an unused lane, is no hit either.
-        if !(sum.abs() > 0.0) {
+        // NaN comes from an unused lane.
+        if sum == 0.0 || sum.is_nan() {
             return None;
         }
         let t = (u * a[2] + v * b[2] + w * c[2]) / (sum * f64::from(self.dz));

@@ -36,22 +36,20 @@ fn any_hit_is_whether_there_is_a_closest_hit_with_less_work() {
 
 #[test]
 fn work_grows_with_the_logarithm_of_the_triangles() {
-    // Spheres of 2 048 to 1 048 576 triangles... and one of 1 000 times the smallest.
-    let visits = |levels: u32| {
-        let tlas = Tlas::single(sphere(levels).blas());
-        tlas.validate().unwrap();
+    let visits = |around: u32, along: u32| {
+        let tlas = Tlas::single(torus(around, along).blas());
         let mut counters = Counters::default();
         let mut random = Random::new(21);
         for _ in 0..20_000 {
-            let origin = random.sphere() * 3.0;
-            let ray = Ray::new(origin, random.cube() * 0.7 - origin);
+            let origin = random.sphere() * 4.0;
+            let ray = Ray::new(origin, random.cube() - origin);
             tlas.closest_hit_counted(&ray, Filter::ALL, |_| true, &mut counters);
         }
         (tlas.blases()[0].triangle_count(), counters.nodes as f64 / 20_000.0)
     };
-    let (small, few) = visits(3);
-    let (large, many) = visits(9);
-    assert_eq!((small, large), (512, 2_097_152));
+    let (small, few) = visits(20, 25);
+    let (large, many) = visits(500, 1000);
+    assert_eq!((small, large), (1_000, 1_000_000));
     assert!(many < 4.0 * few, "{few} nodes at {small}, {many} at {large}");
 }
 

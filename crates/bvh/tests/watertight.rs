@@ -20,7 +20,7 @@ fn aimed(mesh: &TestMesh, number: u64) -> Ray {
     };
     let origin = random.sphere() * 3.0;
     // Every other ray starts at a vertex's coordinates moved along an axis: it meets vertices and edges exactly.
-    let origin = if number / 4 % 2 == 0 { origin } else { target + [Vec3::X, Vec3::Y, Vec3::Z][number as usize / 8 % 3] * 4.0 };
+    let origin = if (number / 4).is_multiple_of(2) { origin } else { target + [Vec3::X, Vec3::Y, Vec3::Z][number as usize / 8 % 3] * 4.0 };
     Ray::new(origin, target - origin)
 }
 
@@ -35,7 +35,7 @@ fn a_closed_mesh_has_no_cracks_from_inside() {
             let mut random = Random::new(!number);
             let from_inside = Ray { origin: random.cube() * 0.3, direction: ray.at(1.0) - ray.origin, ..ray };
             let to_vertex = Ray { direction: ray.at(1.0) - from_inside.origin, ..from_inside };
-            let ray = if number % 2 == 0 { from_inside } else { to_vertex };
+            let ray = if number.is_multiple_of(2) { from_inside } else { to_vertex };
             tlas.closest_hit_opaque(&ray, Filter::ALL).is_none()
         })
         .count();
@@ -77,7 +77,7 @@ fn self_hits(mesh: &TestMesh, placement: Affine3A, rays: u64, offset: bool) -> u
             let (u, v) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
             let point = SurfacePoint::new(&placement, mesh.triangle(primitive), u, v);
             let mut direction = random.sphere();
-            if number % 3 == 0 {
+            if number.is_multiple_of(3) {
                 // Grazing.
                 let flat = direction - point.geometric_normal * direction.dot(point.geometric_normal);
                 direction = flat + point.geometric_normal * (random.unit() * 2.0 - 1.0) * 1e-3;

@@ -95,8 +95,8 @@ mod tests {
             let ray = Ray::new(origin, target - origin);
             let sheared = ShearedRay::new(&ray);
             let mut block = Block::EMPTY;
-            for lane in 0..3 {
-                block.set(lane, lane as u32, corners[lane]);
+            for (lane, &triangle) in corners[..3].iter().enumerate() {
+                block.set(lane, lane as u32, triangle);
             }
             let candidates = Portable::triangles(&sheared, &block);
             prop_assert_eq!(candidates >> 3, 0, "an unused lane");

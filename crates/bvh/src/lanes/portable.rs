@@ -1,50 +1,51 @@
-//! Plain Rust, for every processor.
+//! Four-wide vectors of glam: SSE2, NEON or WebAssembly SIMD where there is one, else scalars.
 
 use super::{Distances, Lanes};
 use crate::{
     slab::SlabRay,
-    triangle::{BLOCK_SIZE, Block, ShearedRay},
-    wide::{Node, WIDTH},
+    triangle::{Block, ShearedRay},
+    wide::Node,
 };
+use glam::Vec4;
 
-/// Loops over lanes that the compiler may turn into whatever vectors there are.
+/// Works on every processor.
 pub(crate) struct Portable;
 
 impl Lanes for Portable {
     #[inline(always)]
     fn boxes(ray: &SlabRay, node: &Node, t_max: f32) -> (u32, Distances) {
-        let mut near = [ray.t_min; WIDTH];
-        let mut far = [t_max; WIDTH];
-        for axis in 0..3 {
-            let near_planes = &node.planes[ray.near_plane[axis]];
-            let far_planes = &node.planes[ray.near_plane[axis] ^ 1];
-            for i in 0..WIDTH {
-                near[i] = near[i].max(near_planes[i] * ray.reciprocal[axis] + ray.near[axis]);
-                far[i] = far[i].min(far_planes[i] * ray.reciprocal[axis] + ray.far[axis]);
+        let mut met = 0;
+        let mut distances = Distances([0.0; 8]);
+        for half in 0..2 {
+            let lanes = 4 * half..4 * half + 4;
+            let mut near = Vec4::splat(ray.t_min);
+            let mut far = Vec4::splat(t_max);
+            for axis in 0..3 {
+                let planes = |plane: usize| Vec4::from_slice(&node.planes[plane][lanes.clone()]);
+                let near_planes = planes(ray.near_plane[axis]);
+                let far_planes = planes(ray.near_plane[axis] ^ 1);
+                near = (near_planes * ray.reciprocal[axis] + ray.near[axis]).max(near);
+                far = (far_planes * ray.reciprocal[axis] + ray.far[axis]).min(far);
             }
+            met |= near.cmple(far).bitmask() << (4 * half);
+            near.write_to_slice(&mut distances.0[lanes]);
         }
-        let met = (0..WIDTH).fold(0, |bits, i| bits | u32::from(near[i] <= far[i]) << i);
-        (met, Distances(near))
+        (met, distances)
     }
 
     #[inline(always)]
     fn triangles(ray: &ShearedRay, block: &Block) -> u32 {
         let [x, y, z] = ray.axes;
-        let sheared = block.vertices.map(|v| {
-            let mut out = [[0.0; BLOCK_SIZE]; 2];
-            for i in 0..BLOCK_SIZE {
-                let dz = v[z][i] - ray.origin[2];
-                out[0][i] = (v[x][i] - ray.origin[0]) - ray.shear[0] * dz;
-                out[1][i] = (v[y][i] - ray.origin[1]) - ray.shear[1] * dz;
-            }
-            out
-        });
-        let [a, b, c] = sheared;
-        let edge = |p: &[[f32; BLOCK_SIZE]; 2], q: &[[f32; BLOCK_SIZE]; 2], i: usize| p[0][i] * q[1][i] - p[1][i] * q[0][i];
-        (0..BLOCK_SIZE).fold(0, |bits, i| {
-            let (u, v, w) = (edge(&c, &b, i), edge(&a, &c, i), edge(&b, &a, i));
-            let kept = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-            bits | u32::from(kept) << i
-        })
+        let sheared = |vertex: usize| {
+            let row = |axis: usize| Vec4::from_array(block.vertices[vertex][axis]);
+            let dz = row(z) - ray.origin[2];
+            [(row(x) - ray.origin[0]) - ray.shear[0] * dz, (row(y) - ray.origin[1]) - ray.shear[1] * dz]
+        };
+        let (a, b, c) = (sheared(0), sheared(1), sheared(2));
+        let edge = |p: [Vec4; 2], q: [Vec4; 2]| p[0] * q[1] - p[1] * q[0];
+        let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
+        let least = u.min(v).min(w);
+        let greatest = u.max(v).max(w);
+        (least.cmpge(Vec4::ZERO) | greatest.cmple(Vec4::ZERO)).bitmask()
     }
 }

@@ -93,6 +93,21 @@ pub fn sphere(levels: u32) -> TestMesh {
     TestMesh { positions, indices }
 }
 
+/// A closed torus of `2 · around · along` triangles, radii 1 and 0.4.
+pub fn torus(around: u32, along: u32) -> TestMesh {
+    let mut mesh = TestMesh::default();
+    for i in 0..along {
+        for j in 0..around {
+            let (phi, theta) = (i as f32 / along as f32 * std::f32::consts::TAU, j as f32 / around as f32 * std::f32::consts::TAU);
+            let r = 1.0 + 0.4 * theta.cos();
+            mesh.positions.push(Vec3::new(r * phi.cos(), 0.4 * theta.sin(), r * phi.sin()));
+            let at = |i: u32, j: u32| i % along * around + j % around;
+            mesh.indices.extend([[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]);
+        }
+    }
+    mesh
+}
+
 /// Rays from outside into the cube, some of them along axes.
 pub fn rays(count: usize, seed: u64) -> Vec<Ray> {
     let mut random = Random::new(seed);

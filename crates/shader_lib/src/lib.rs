@@ -2,7 +2,8 @@
 //!
 //! [`link`] resolves the imports of a root file against the library, lets naga validate the result and reads from it what Rust needs
 //! to know: bindings by name, entry points, struct layouts, overrides. Every error names the WESL file, line and message.
-//! A shared function has the name, argument order and equation comment of its Rust twin; tests compare the two on a GPU.
+//! A shared function has the name, argument order and equation comment of its Rust twin; tests compare the two on a GPU. Twins that
+//! have no other home are here: [`camera`], [`light`], [`packing`], [`random`].
 //!
 //! ```
 //! let source = "
@@ -16,11 +17,18 @@
 //! # Ok::<(), kajo_shader_lib::ShaderError>(())
 //! ```
 
+// The derive names this crate as its users do.
+extern crate self as kajo_shader_lib;
+
+pub mod camera;
 mod diagnose;
 mod error;
 mod layout;
 mod library;
+pub mod light;
 mod link;
+pub mod packing;
+pub mod random;
 mod reflect;
 
 pub use error::ShaderError;

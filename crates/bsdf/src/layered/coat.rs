@@ -1,0 +1,135 @@
+//! The layers above the base: clear coat and sheen. Both scale what lies below by one minus their albedo at `wo`.
+
+use super::{unit, unit3};
+use crate::microfacet::{MIN_ALPHA, ggx_albedo, ggx_d_aniso, ggx_sample_vndf, ggx_visibility_aniso, ggx_vndf_pdf};
+use crate::{MaterialParams, SHEEN_MIN_ALPHA, f0_from_ior, reflect, schlick_weight, sheen_albedo, sheen_d, sheen_visibility};
+use glam::{Vec2, Vec3};
+use kajo_sampling::Frame;
+
+/// Index of refraction of the clear coat.    KHR_materials_clearcoat
+const COAT_IOR: f32 = 1.5;
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Coat {
+    weight: f32,
+    alpha: f32,
+    frame: Frame,
+}
+
+impl Coat {
+    pub fn new(params: &MaterialParams) -> Option<Self> {
+        let weight = unit(params.clearcoat);
+        if weight == 0.0 {
+            return None;
+        }
+        let n = params.clearcoat_normal.normalize_or_zero();
+        let frame = if n == Vec3::ZERO || n == Vec3::Z || n.z <= 0.0 { Frame::IDENTITY } else { Frame::from_z(n) };
+        Some(Self { weight, alpha: unit(params.clearcoat_roughness.0).powi(2), frame })
+    }
+
+    pub fn is_delta(&self) -> bool {
+        self.alpha < MIN_ALPHA
+    }
+}
+
+/// The coat seen from one `wo`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CoatView {
+    coat: Coat,
+    /// In the frame of the coat.
+    wo: Vec3,
+    /// Share of light that passes the coat.
+    pub below: f32,
+}
+
+impl CoatView {
+    pub fn new(coat: &Coat, wo: Vec3) -> Self {
+        let mut wo = coat.frame.to_local(wo);
+        // A coat normal that faces away from the viewer is seen at grazing angle.
+        if wo.z < 1e-4 {
+            wo = Vec3::new(wo.x, wo.y, 1e-4).normalize();
+        }
+        let e = if coat.is_delta() {
+            Self::fresnel(wo.z)
+        } else {
+            let e = ggx_albedo(coat.alpha, wo.z);
+            f0_from_ior(COAT_IOR) * e.f0 + e.f90
+        };
+        Self { coat: *coat, wo, below: 1.0 - coat.weight * e }
+    }
+
+    fn fresnel(cos_m: f32) -> f32 {
+        let f0 = f0_from_ior(COAT_IOR);
+        f0 + (1.0 - f0) * schlick_weight(cos_m)
+    }
+
+    /// f cos and density; the cosine is the one with the coat's normal.
+    #[inline]
+    pub fn eval(&self, wi: Vec3) -> (f32, f32) {
+        let wi = self.coat.frame.to_local(wi);
+        if self.coat.is_delta() || wi.z <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let alpha = Vec2::splat(self.coat.alpha);
+        let m = (self.wo + wi).normalize_or_zero();
+        let cos_m = self.wo.dot(m);
+        if cos_m <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let value = ggx_d_aniso(alpha, m) * ggx_visibility_aniso(alpha, self.wo, wi) * wi.z;
+        (self.coat.weight * Self::fresnel(cos_m) * value, ggx_vndf_pdf(alpha, self.wo, m) / (4.0 * cos_m))
+    }
+
+    pub fn sample(&self, u: Vec2) -> Vec3 {
+        self.coat.frame.to_world(reflect(self.wo, ggx_sample_vndf(Vec2::splat(self.coat.alpha), self.wo, u)))
+    }
+
+    /// Mirror direction and reflectance of a smooth coat.
+    pub fn delta(&self) -> Option<(Vec3, f32)> {
+        let wi = Vec3::new(-self.wo.x, -self.wo.y, self.wo.z);
+        self.coat.is_delta().then(|| (self.coat.frame.to_world(wi), self.coat.weight * Self::fresnel(self.wo.z)))
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sheen {
+    color: Vec3,
+    alpha: f32,
+}
+
+impl Sheen {
+    pub fn new(params: &MaterialParams) -> Option<Self> {
+        let color = unit3(params.sheen_color.0);
+        let alpha = unit(params.sheen_roughness.0).powi(2).max(SHEEN_MIN_ALPHA);
+        (color != Vec3::ZERO).then_some(Self { color, alpha })
+    }
+}
+
+/// The sheen seen from one `wo`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SheenView {
+    albedo: f32,
+    /// Brings a lobe that would reflect more than everything down to everything.
+    scale: f32,
+    /// Share of light that passes the sheen.
+    pub below: f32,
+    pub chance: f32,
+}
+
+impl SheenView {
+    pub fn new(sheen: &Sheen, wo: Vec3) -> Self {
+        let e = sheen_albedo(sheen.alpha, wo.z);
+        let albedo = e.min(1.0);
+        Self { albedo, scale: 1.0 / e.max(1.0), below: 1.0 - sheen.color.max_element() * albedo, chance: super::mean(sheen.color) * albedo }
+    }
+
+    #[inline]
+    pub fn eval(&self, sheen: &Sheen, wo: Vec3, wi: Vec3) -> Vec3 {
+        let m = (wo + wi).normalize_or_zero();
+        sheen.color * (self.scale * sheen_d(sheen.alpha, m.z) * sheen_visibility(sheen.alpha, wo.z, wi.z) * wi.z)
+    }
+
+    pub fn albedo(&self, sheen: &Sheen) -> Vec3 {
+        sheen.color * self.albedo
+    }
+}

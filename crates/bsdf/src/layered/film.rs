@@ -1,0 +1,149 @@
+//! The Fresnel curve of an iridescent base, tabulated once per surface point.
+//!
+//! The film's reflectance is evaluated at [`HAT_NODES`] angles and linear between them; that curve *is* the model, so its albedo
+//! is an exact sum over [`GGX_HAT_ALBEDO`] and the diffuse lobe below it can keep the energy.
+
+use super::base::Facets;
+use super::unit;
+use crate::tables::{GGX_HAT_ALBEDO, HAT_AXIS_NODES, HAT_NODES, place};
+use crate::{MaterialParams, fresnel_schlick, fresnel_thin_film};
+use glam::Vec3;
+
+/// Reflectance over wo·m of metal and dielectric under a film.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FilmFresnel {
+    /// Metal and dielectric with their weights.
+    sum: [Vec3; HAT_NODES],
+    /// Largest channel of the dielectric, without weight.
+    layer: [f32; HAT_NODES],
+    metallic: f32,
+    opaque: f32,
+    metal_average: Vec3,
+    dielectric_average: Vec3,
+}
+
+impl FilmFresnel {
+    /// `None` when the film is absent.    KHR_materials_iridescence
+    pub fn new(params: &MaterialParams, metal_f0: Vec3, f0: Vec3, f90: Vec3, metallic: f32, opaque: f32) -> Option<Self> {
+        let strength = unit(params.iridescence);
+        let present = params.iridescence_thickness > 0.0 && params.iridescence_thickness.is_finite() && params.iridescence_ior.is_finite();
+        if strength == 0.0 || !present {
+            return None;
+        }
+        let film_ior = params.iridescence_ior.clamp(1.0, 5.0);
+        let at = |c: f32, base_f0: Vec3, plain: Vec3| {
+            plain.lerp(fresnel_thin_film(c, film_ior, params.iridescence_thickness, base_f0), strength)
+        };
+        let mut film = Self {
+            sum: [Vec3::ZERO; HAT_NODES],
+            layer: [0.0; HAT_NODES],
+            metallic,
+            opaque,
+            metal_average: Vec3::ZERO,
+            dielectric_average: Vec3::ZERO,
+        };
+        for k in 0..HAT_NODES {
+            let c = k as f32 / (HAT_NODES - 1) as f32;
+            let metal = if metallic > 0.0 { at(c, metal_f0, fresnel_schlick(metal_f0, Vec3::ONE, c)) } else { Vec3::ZERO };
+            // `specular` scales the film on the dielectric as it scales the reflection without it.
+            let dielectric = if metallic < 1.0 {
+                let specular = f90.x;
+                fresnel_schlick(f0, f90, c).lerp(
+                    specular * fresnel_thin_film(c, film_ior, params.iridescence_thickness, f0 / specular.max(f32::MIN_POSITIVE)),
+                    strength,
+                )
+            } else {
+                Vec3::ZERO
+            };
+            film.sum[k] = metallic * metal + opaque * dielectric;
+            film.layer[k] = dielectric.max_element();
+            film.metal_average += cosine_weight(k) * metal;
+            film.dielectric_average += cosine_weight(k) * dielectric;
+        }
+        Some(film)
+    }
+
+    #[inline]
+    pub fn at(&self, cos_m: f32) -> Vec3 {
+        let (k, t) = place(cos_m, HAT_NODES);
+        self.sum[k].lerp(self.sum[k + 1], t)
+    }
+
+    /// Albedo of the reflection, and of the layer above the diffuse lobe.
+    pub fn albedos(&self, facets: Facets, cos_theta: f32) -> (Vec3, f32) {
+        if facets.is_delta {
+            let (k, t) = place(cos_theta, HAT_NODES);
+            return (self.at(cos_theta), self.layer[k] + t * (self.layer[k + 1] - self.layer[k]));
+        }
+        let weights = hat_albedos(facets.energy_alpha, cos_theta);
+        let (mut sum, mut layer) = (Vec3::ZERO, 0.0);
+        for (weight, (f, l)) in weights.iter().zip(self.sum.iter().zip(&self.layer)) {
+            sum += weight * *f;
+            layer += weight * l;
+        }
+        (sum, layer)
+    }
+
+    /// Cosine-weighted mean over directions of the layer's albedo.
+    pub fn layer_average(&self, alpha: f32) -> f32 {
+        // The integrand is linear in √cos between nodes; 64 midpoints integrate it to 1e-4.
+        const STEPS: usize = 64;
+        (0..STEPS)
+            .map(|s| {
+                let c = (s as f32 + 0.5) / STEPS as f32;
+                let weights = hat_albedos(alpha, c);
+                (0..HAT_NODES).map(|k| weights[k] * self.layer[k]).sum::<f32>() * 2.0 * c / STEPS as f32
+            })
+            .sum()
+    }
+
+    /// Multiple-scattering colours of metal and dielectric together, and of the layer.
+    pub fn multiple_scattering(&self, white_average: f32) -> (Vec3, f32) {
+        let color = |f: Vec3| f * f * white_average / (Vec3::ONE - f * (1.0 - white_average));
+        let layer: f32 = (0..HAT_NODES).map(|k| cosine_weight(k) * self.layer[k]).sum();
+        let sum = self.metallic * color(self.metal_average) + self.opaque * color(self.dielectric_average);
+        (sum, color(Vec3::splat(layer)).x)
+    }
+}
+
+/// 2 ∫ hat_k(c) c dc: the weight of node k in a cosine-weighted mean.
+fn cosine_weight(k: usize) -> f32 {
+    let n = (HAT_NODES - 1) as f32;
+    let c = k as f32 / n;
+    match k {
+        0 => 1.0 / (3.0 * n * n),
+        k if k == HAT_NODES - 1 => (c - 1.0 / (3.0 * n)) / n,
+        _ => 2.0 * c / n,
+    }
+}
+
+/// Albedos of all hat functions at one direction.
+fn hat_albedos(alpha: f32, cos_theta: f32) -> [f32; HAT_NODES] {
+    let (c, tc) = place(cos_theta.max(0.0).sqrt(), HAT_AXIS_NODES);
+    let (r, tr) = place(alpha.max(0.0).sqrt(), HAT_AXIS_NODES);
+    let row = |r: usize, c: usize| &GGX_HAT_ALBEDO[(r * HAT_AXIS_NODES + c) * HAT_NODES..][..HAT_NODES];
+    let corners = [row(r, c), row(r, c + 1), row(r + 1, c), row(r + 1, c + 1)];
+    let weights = [(1.0 - tr) * (1.0 - tc), (1.0 - tr) * tc, tr * (1.0 - tc), tr * tc];
+    std::array::from_fn(|k| (0..4).map(|i| weights[i] * corners[i][k]).sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn node_weights_integrate_linear_functions_exactly() {
+        let one: f32 = (0..HAT_NODES).map(cosine_weight).sum();
+        let c: f32 = (0..HAT_NODES).map(|k| cosine_weight(k) * k as f32 / (HAT_NODES - 1) as f32).sum();
+        assert!((one - 1.0).abs() < 1e-5 && (c - 2.0 / 3.0).abs() < 1e-5, "{one} {c}");
+    }
+
+    #[test]
+    fn hat_albedos_sum_to_the_white_albedo() {
+        for (alpha, c) in [(0.01, 0.9), (0.25, 0.5), (0.64, 0.3), (1.0, 0.8)] {
+            let sum: f32 = hat_albedos(alpha, c).iter().sum();
+            let white = crate::ggx_albedo(alpha, c).white();
+            assert!((sum - white).abs() < 6e-3, "alpha {alpha}, cos {c}: {sum} {white}");
+        }
+    }
+}

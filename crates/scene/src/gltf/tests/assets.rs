@@ -2,17 +2,10 @@
 
 use crate::{ColorSpace, Scene, Snapshot, load_gltf};
 use kajo_units::Seconds;
-use std::path::PathBuf;
 
 /// Loads a real scene, or says that it is absent.
 fn asset(name: &str) -> Option<Scene> {
-    let folder = std::env::var_os("KAJO_ASSETS")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/assets"), PathBuf::from);
-    let path = folder.join(name);
-    if !path.exists() {
-        eprintln!("skipped: {} is absent; set KAJO_ASSETS", path.display());
-        return None;
-    }
+    let path = crate::test_assets::directory()?.join(name);
     Some(load_gltf(&path).unwrap_or_else(|error| panic!("{error}")))
 }
 

@@ -5,14 +5,10 @@
 //! replaces is on [`Scene::ignored`], never dropped silently.
 
 pub mod builtin;
-mod decode;
 mod environment_file;
 mod environment_lookup;
 mod error;
-mod files;
 pub mod framing;
-pub mod gltf;
-mod limits;
 mod load;
 mod merge;
 pub mod model;
@@ -27,8 +23,6 @@ mod texture_lookup;
 
 pub use environment_file::{LoadedEnvironment, decode_environment, load_environment};
 pub use error::SceneError;
-pub use gltf::load_gltf;
-pub use limits::ImportLimits;
 pub use load::{LoadOptions, load};
 pub use model::*;
 pub use snapshot::{Instance, PlacedCamera, PlacedLight, Snapshot};

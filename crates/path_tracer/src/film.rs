@@ -1,0 +1,208 @@
+//! The film: what every pixel has gathered so far, for every image.
+//!
+//! A pixel adds its own samples, in their order, in double precision; nothing is shared between pixels. So the result does not
+//! depend on the number of threads, on the size of passes, or on where a rendering was interrupted and resumed.
+
+use crate::blocks::BlockSums;
+use crate::{Aov, aov::Combine};
+use glam::UVec2;
+
+/// What a film gathers for one image.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct ImageSpec {
+    /// `None` is `beauty`.
+    pub aov: Option<Aov>,
+    /// Name of the image and of its layer in files.
+    pub name: String,
+    /// First of its channels in a pixel's sums.
+    pub offset: usize,
+    /// Number of channels.
+    pub channels: usize,
+    /// First of its channels among those whose variance is tracked.
+    pub tracked: Option<usize>,
+    /// How samples become a value.
+    pub combine: Combine,
+}
+
+/// The images of a film and their places in a pixel's sums.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct FilmLayout {
+    pub images: Vec<ImageSpec>,
+    /// Channels of a pixel, all images together.
+    pub channels: usize,
+    /// Channels whose variance is tracked.
+    pub tracked: usize,
+    /// Where the count of samples that hit a surface is kept, if anything needs it.
+    pub coverage: Option<usize>,
+    /// That place when it is no image of its own.
+    hidden_coverage: Option<usize>,
+}
+
+impl FilmLayout {
+    /// `beauty` and `aovs`, each once.
+    pub(crate) fn new(aovs: &[Aov]) -> Self {
+        let mut layout = Self::default();
+        layout.push(None, "beauty".into(), 3, Combine::TrackedMean);
+        for aov in aovs {
+            if layout.images.iter().all(|image| image.aov.as_ref() != Some(aov)) {
+                layout.push(Some(aov.clone()), aov.to_string(), aov.channels(), aov.combine());
+            }
+        }
+        layout.coverage = layout.images.iter().find(|image| image.aov == Some(Aov::Coverage)).map(|image| image.offset);
+        if layout.coverage.is_none() && layout.images.iter().any(|image| image.combine == Combine::Covered) {
+            layout.coverage = Some(layout.channels);
+            layout.hidden_coverage = layout.coverage;
+            layout.channels += 1;
+        }
+        layout
+    }
+
+    fn push(&mut self, aov: Option<Aov>, name: String, channels: usize, combine: Combine) {
+        let tracked = (combine == Combine::TrackedMean).then_some(self.tracked);
+        self.images.push(ImageSpec { aov, name, offset: self.channels, channels, tracked, combine });
+        self.channels += channels;
+        self.tracked += if tracked.is_some() { channels } else { 0 };
+    }
+}
+
+/// Accumulated samples of a rendering; it can be developed into a [`Frame`](crate::Frame), saved, loaded and rendered on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    pub(crate) size: UVec2,
+    pub(crate) layout: FilmLayout,
+    /// Hash of scene and settings: films of different pictures must not be mixed.
+    pub(crate) fingerprint: Fingerprint,
+    /// Samples of each pixel of a row. Rows differ only after an interruption.
+    pub(crate) row_spp: Vec<u32>,
+    /// Sums of samples, `height × width × channels`.
+    pub(crate) sums: Vec<f64>,
+    /// Block sums, `height × width × tracked`.
+    pub(crate) blocks: Vec<BlockSums>,
+    /// Rays traced.
+    pub(crate) rays: u64,
+    /// Wall-clock time spent on it, s.
+    pub(crate) seconds: f64,
+    /// Samples that were NaN or infinite and count as black.
+    pub(crate) invalid: u64,
+}
+
+/// Hashes of what a film shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Fingerprint {
+    pub scene: u64,
+    pub settings: u64,
+}
+
+impl Film {
+    pub(crate) fn new(size: UVec2, layout: FilmLayout, fingerprint: Fingerprint) -> Self {
+        let pixels = size.x as usize * size.y as usize;
+        Self {
+            size,
+            row_spp: vec![0; size.y as usize],
+            sums: vec![0.0; pixels * layout.channels],
+            blocks: vec![BlockSums::default(); pixels * layout.tracked],
+            layout,
+            fingerprint,
+            rays: 0,
+            seconds: 0.0,
+            invalid: 0,
+        }
+    }
+
+    /// Width and height, px.
+    pub fn size(&self) -> UVec2 {
+        self.size
+    }
+
+    /// Samples that every pixel has at least.
+    pub fn spp(&self) -> u32 {
+        self.row_spp.iter().copied().min().unwrap_or(0)
+    }
+
+    /// Samples of all pixels together.
+    pub fn samples(&self) -> u64 {
+        self.row_spp.iter().map(|&n| u64::from(n)).sum::<u64>() * u64::from(self.size.x)
+    }
+
+    /// Rays traced so far.
+    pub fn rays(&self) -> u64 {
+        self.rays
+    }
+
+    /// Time spent rendering so far, s.
+    pub fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    /// The rows, from the top, for filling them independently of each other.
+    pub(crate) fn rows(&mut self) -> Vec<Row<'_>> {
+        let width = self.size.x as usize;
+        let sums = self.sums.chunks_exact_mut(width * self.layout.channels);
+        let blocks = self.blocks.chunks_exact_mut(width * self.layout.tracked);
+        let layout = &self.layout;
+        let spp = self.row_spp.iter_mut();
+        sums.zip(blocks).zip(spp).enumerate().map(|(y, ((sums, blocks), spp))| Row { y: y as u32, layout, sums, blocks, spp }).collect()
+    }
+}
+
+/// One row of a film.
+pub(crate) struct Row<'a> {
+    pub y: u32,
+    layout: &'a FilmLayout,
+    sums: &'a mut [f64],
+    blocks: &'a mut [BlockSums],
+    /// Samples that every pixel of the row has.
+    pub spp: &'a mut u32,
+}
+
+impl Row<'_> {
+    /// Adds sample number `sample` to pixel `x`; `record` has one value a channel. False when a value was not finite: the sample
+    /// then counts as black, because one NaN would otherwise take the pixel.
+    pub(crate) fn add(&mut self, x: u32, sample: u32, record: &[f32]) -> bool {
+        let x = x as usize;
+        let valid = record.iter().all(|value| value.is_finite());
+        let sums = &mut self.sums[x * self.layout.channels..][..self.layout.channels];
+        let blocks = &mut self.blocks[x * self.layout.tracked..][..self.layout.tracked];
+        for image in &self.layout.images {
+            let values = &record[image.offset..image.offset + image.channels];
+            if image.combine == Combine::First && sample > 0 {
+                continue;
+            }
+            for (c, &value) in values.iter().enumerate() {
+                let value = if valid { value } else { 0.0 };
+                sums[image.offset + c] += f64::from(value);
+                if let Some(tracked) = image.tracked {
+                    blocks[tracked + c].add(sample, value);
+                }
+            }
+        }
+        if let Some(coverage) = self.layout.hidden_coverage
+            && valid
+        {
+            sums[coverage] += f64::from(record[coverage]);
+        }
+        valid
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layout_gives_every_image_its_own_channels() {
+        let layout = FilmLayout::new(&[Aov::Depth, Aov::Visibility("a".into()), Aov::Depth, Aov::Motion]);
+        let names: Vec<_> = layout.images.iter().map(|i| (i.name.as_str(), i.offset, i.channels, i.tracked)).collect();
+        assert_eq!(names, [("beauty", 0, 3, Some(0)), ("depth", 3, 1, None), ("visibility.a", 4, 1, Some(3)), ("motion", 5, 2, None)]);
+        assert_eq!((layout.channels, layout.tracked, layout.coverage), (8, 4, Some(7)));
+    }
+
+    #[test]
+    fn an_invalid_sample_is_black_and_reported() {
+        let mut film = Film::new(UVec2::ONE, FilmLayout::new(&[]), Fingerprint::default());
+        let mut rows = film.rows();
+        assert!(rows[0].add(0, 0, &[1.0, 2.0, 3.0]));
+        assert!(!rows[0].add(0, 1, &[1.0, f32::NAN, 3.0]));
+        assert_eq!(film.sums, [1.0, 2.0, 3.0]);
+    }
+}

@@ -1,0 +1,57 @@
+//! The second estimator: paths by BSDF sampling alone.
+//!
+//! It looks for light by running into it, weighs nothing and chooses no light, so an error in light tables, densities or weights of
+//! the path tracer shows as a difference between the two. Point, spot and parallel lights are invisible to it.
+
+use super::{Chance, Context, Sink, Split, TracedRay, open_ray, transmittance};
+use crate::surface::Surface;
+use kajo_bsdf::{Bsdf, Lobe};
+use kajo_sampling::Sampler;
+use kajo_units::LinearRgb;
+
+impl Context<'_> {
+    /// Follows the path that starts with `start` until it leaves the scene or reaches the depth limit.
+    pub(crate) fn bsdf_only(&self, start: TracedRay, sampler: &mut Sampler, chance: &mut Chance, sink: &mut impl Sink) {
+        let TracedRay { mut ray, mut hit } = start;
+        let (mut diffuse, mut specular) = (LinearRgb::WHITE, LinearRgb::BLACK);
+        let mut absorption = LinearRgb::BLACK;
+        for bounces in 0..=self.max_depth {
+            let throughput = Split { diffuse, specular };
+            self.lights.along(ray.origin, ray.direction, hit.map_or(f32::INFINITY, |hit| hit.t), |t, seen| {
+                if t > ray.t_min {
+                    sink.light(bounces, seen.light, throughput.scaled(seen.radiance * transmittance(absorption, t)));
+                }
+            });
+            let Some(found) = hit else {
+                self.lights.beyond(self.world, ray.direction, |seen| {
+                    sink.light(bounces, seen.light, throughput.scaled(seen.radiance));
+                });
+                return;
+            };
+            let passed = transmittance(absorption, found.t);
+            let wo = -ray.direction;
+            let Some(surface) = Surface::new(self.world, &found, wo, self.settings.smooth_terminator) else { return };
+            if let Some((light, radiance)) = surface.emission(self.world, self.lights) {
+                sink.light(bounces, light, throughput.scaled(passed * radiance));
+            }
+            if surface.unlit(self.world) {
+                return;
+            }
+            sampler.start_bounce(bounces);
+            let bsdf = Bsdf::new(&surface.material.params);
+            let Some(sample) = bsdf.sample(surface.frame.to_local(wo), sampler.next_1d(), sampler.next_2d()) else { return };
+            let Some(wi) = surface.direction_of(&sample) else { return };
+            (diffuse, specular) = if bounces == 0 {
+                (passed * sample.weight.diffuse, passed * sample.weight.specular)
+            } else {
+                let weight = passed * sample.weight.total();
+                (diffuse * weight, specular * weight)
+            };
+            if sample.lobe.contains(Lobe::TRANSMIT) && !surface.material.params.thin {
+                absorption = if surface.front { surface.material.absorption } else { LinearRgb::BLACK };
+            }
+            ray = open_ray(surface.origin_towards(wi), wi);
+            hit = self.world.closest(&ray, Some(surface.primitive), chance.next());
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! The path tracer: next-event estimation and BSDF sampling at every surface, combined by multiple importance sampling.
+//!
+//!     L(x, ωo) = Le + ∫ f(ωi, ωo) L(x, ωi) |cos θi| dωi                                 [Kajiya86] eq. 1
+//!
+//! Both strategies find direct light; each contribution weighs w = p² / (p² + p_other²), the power heuristic [Veach98] eq. 9.11.
+//! Transmissive surfaces block shadow rays, so caustics come from BSDF sampling alone. A volume absorbs by the Beer-Lambert law
+//! between entering and leaving it; volumes do not nest: leaving any surface outwards ends the absorption.
+
+use super::{Chance, Context, Sink, Split, TracedRay, open_ray, transmittance};
+use crate::settings::Strategy;
+use crate::surface::Surface;
+use glam::Vec2;
+use kajo_bsdf::{Bsdf, BsdfView, Lobe};
+use kajo_bvh::Ray;
+use kajo_sampling::{Sampler, power_heuristic};
+use kajo_units::LinearRgb;
+
+/// Shadow rays end this share of their length before the light: the light must not shadow itself.
+pub(super) const BEFORE_LIGHT: f32 = 1.0 - 2e-5;
+
+impl Context<'_> {
+    /// Follows the path that starts with `start`; leaves everything it finds in `sink`. Bounce b uses the random numbers of bounce
+    /// `dimensions + b`.
+    pub(crate) fn path(&self, start: TracedRay, dimensions: u32, sampler: &mut Sampler, chance: &mut Chance, sink: &mut impl Sink) {
+        let TracedRay { mut ray, mut hit } = start;
+        let mut throughput = Split::CAMERA;
+        let mut bounces = 0;
+        // Density with which the ray was found; infinite where light sampling could not have found it.
+        let mut ray_pdf = f32::INFINITY;
+        let mut absorption = LinearRgb::BLACK;
+        // Radiance is compressed inside of denser media; roulette must not take that for darkness.
+        let mut compression = 1.0;
+        loop {
+            let t_max = hit.map_or(f32::INFINITY, |hit| hit.t);
+            self.lights.along(ray.origin, ray.direction, t_max, |t, seen| {
+                if t > ray.t_min {
+                    let value = seen.radiance * transmittance(absorption, t) * self.weight_of_ray(ray_pdf, seen.pdf);
+                    sink.light(bounces, seen.light, throughput.scaled(value));
+                }
+            });
+            let Some(found) = hit else {
+                self.lights.beyond(self.world, ray.direction, |seen| {
+                    let value = seen.radiance * self.weight_of_ray(ray_pdf, seen.pdf);
+                    sink.light(bounces, seen.light, throughput.scaled(value));
+                });
+                return;
+            };
+            throughput = throughput.scaled(transmittance(absorption, found.t));
+            let wo = -ray.direction;
+            let Some(surface) = Surface::new(self.world, &found, wo, self.settings.smooth_terminator) else { return };
+            if let Some((light, radiance)) = surface.emission(self.world, self.lights) {
+                let pdf = if ray_pdf.is_finite() {
+                    self.lights.pdf_of_surface(self.world, found.primitive_ref(), ray.origin, ray.direction, found.t)
+                } else {
+                    0.0
+                };
+                sink.light(bounces, light, throughput.scaled(radiance * self.weight_of_ray(ray_pdf, pdf)));
+            }
+            if bounces >= self.max_depth || surface.unlit(self.world) {
+                return;
+            }
+
+            let bsdf = Bsdf::new(&surface.material.params);
+            let view = bsdf.view(surface.frame.to_local(wo));
+            sampler.start_bounce(dimensions + bounces);
+            let (choice, on_light) = (sampler.next_1d(), sampler.next_2d());
+            if !bsdf.is_delta() {
+                self.direct(&surface, &view, throughput, bounces, absorption, (choice, on_light), chance, sink);
+            }
+
+            let (lobe, u) = (sampler.next_1d(), sampler.next_2d());
+            let Some(sample) = view.sample(lobe, u) else { return };
+            let Some(wi) = surface.direction_of(&sample) else { return };
+            throughput = if bounces == 0 {
+                let all = throughput.total();
+                Split { diffuse: all * sample.weight.diffuse, specular: all * sample.weight.specular }
+            } else {
+                throughput.scaled(sample.weight.total())
+            };
+            bounces += 1;
+            ray_pdf = if sample.lobe.is_delta() { f32::INFINITY } else { surface.pdf_of(&view, &sample, wi) };
+            compression *= sample.eta2;
+            let survival = self.settings.russian_roulette.survival(bounces, compression * throughput.total().max_component());
+            if survival < 1.0 {
+                if sampler.next_1d() >= survival {
+                    return;
+                }
+                throughput = throughput.scaled(LinearRgb::splat(1.0 / survival));
+            }
+            if throughput.total().is_black() || (bounces == self.max_depth && !self.ray_can_find_light(ray_pdf)) {
+                return;
+            }
+            if sample.lobe.contains(Lobe::TRANSMIT) && !surface.material.params.thin {
+                absorption = if surface.front { surface.material.absorption } else { LinearRgb::BLACK };
+            }
+            ray = open_ray(surface.origin_towards(wi), wi);
+            hit = self.world.closest(&ray, Some(surface.primitive), chance.next());
+        }
+    }
+
+    /// Next-event estimation: one light, one shadow ray.
+    #[allow(clippy::too_many_arguments, reason = "the state of one bounce; a struct would only rename it")]
+    #[inline]
+    fn direct(
+        &self,
+        surface: &Surface,
+        bsdf: &BsdfView,
+        throughput: Split,
+        bounces: u32,
+        absorption: LinearRgb,
+        (choice, u): (f32, Vec2),
+        chance: &mut Chance,
+        sink: &mut impl Sink,
+    ) {
+        let Some(chosen) = self.lights.sample(self.world, surface.origin_in_front(), choice, u) else { return };
+        let wi = chosen.sample.wi;
+        let (f_cos, bsdf_pdf) = surface.eval(bsdf, wi);
+        let value = chosen.value * transmittance(absorption, chosen.sample.distance.min(f32::MAX));
+        let share = if bounces == 0 {
+            let all = throughput.total() * value;
+            Split { diffuse: f_cos.diffuse * all, specular: f_cos.specular * all }
+        } else {
+            throughput.scaled(f_cos.total() * value)
+        };
+        if share.total().is_black() {
+            return;
+        }
+        let weight = match self.settings.strategy {
+            Strategy::Mis => power_heuristic(chosen.sample.pdf, bsdf_pdf),
+            Strategy::Lights => 1.0,
+        };
+        let t_max = chosen.sample.distance * BEFORE_LIGHT;
+        let ray = Ray { origin: surface.origin_towards(wi), t_min: 0.0, direction: wi, t_max };
+        if !self.world.occluded(&ray, chosen.primitive, chance.next()) {
+            sink.light(bounces + 1, chosen.light, share.scaled(LinearRgb::splat(weight)));
+        }
+    }
+
+    /// Weight of light that a ray of density `ray_pdf` met and that light sampling finds with `light_pdf`.
+    #[inline]
+    fn weight_of_ray(&self, ray_pdf: f32, light_pdf: f32) -> f32 {
+        match self.settings.strategy {
+            Strategy::Mis => power_heuristic(ray_pdf, light_pdf),
+            Strategy::Lights => f32::from(u8::from(ray_pdf == f32::INFINITY || light_pdf == 0.0)),
+        }
+    }
+
+    /// Whether a ray that will not be continued can still add light.
+    fn ray_can_find_light(&self, ray_pdf: f32) -> bool {
+        match self.settings.strategy {
+            Strategy::Mis => self.lights.can_be_met,
+            Strategy::Lights => ray_pdf == f32::INFINITY || self.lights.only_met,
+        }
+    }
+}

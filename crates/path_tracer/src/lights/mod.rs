@@ -1,0 +1,361 @@
+//! All lights of a scene: choosing one, sampling a direction towards it, and the density of that for a direction found otherwise.
+//!
+//! A light is chosen with probability 0.9 · (share of the estimated power) + 0.1 / count, so that every light is found; then a point of it.
+//! The constant environment is not in the table: sampling the BSDF alone is the better strategy for it, with weight 1.
+
+mod area;
+mod mesh;
+mod punctual;
+mod shape_tree;
+
+use crate::PathTracerError;
+use crate::world::World;
+use area::AreaLight;
+use glam::{Vec2, Vec3};
+use kajo_bvh::PrimitiveRef;
+use kajo_sampling::{AliasTable, Piecewise2d};
+use kajo_scene::{Environment, LightShape, PlacedLight};
+use kajo_units::LinearRgb;
+use mesh::MeshLight;
+use punctual::{DirectionalLight, PointLight, SpotCone};
+use shape_tree::ShapeTree;
+use std::f32::consts::PI;
+
+/// A direction towards a light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightSample {
+    /// Unit direction towards the light.
+    pub wi: Vec3,
+    /// Distance of the light, m; infinite at infinity.
+    pub distance: f32,
+    /// Incident radiance if nothing is in the way; for a light without extent the irradiance on a surface that faces it.
+    pub radiance: LinearRgb,
+    /// Density per solid angle; infinite for a light without extent.
+    pub pdf: f32,
+}
+
+/// A chosen light and a direction towards it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChosenLight {
+    /// Index into [`Lights::names`].
+    pub light: u32,
+    /// `pdf` includes the probability of the choice, and is infinite for lights without extent.
+    pub sample: LightSample,
+    /// `sample.radiance` divided by the density.
+    pub value: LinearRgb,
+    /// The emissive triangle, which must not shadow itself.
+    pub primitive: Option<PrimitiveRef>,
+}
+
+/// Light that a ray meets.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SeenLight {
+    /// Index into [`Lights::names`].
+    pub light: u32,
+    pub radiance: LinearRgb,
+    /// Density with which [`Lights::sample`] finds this direction from the ray's origin.
+    pub pdf: f32,
+}
+
+/// A point of a light for `visibility.<light>`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Target {
+    /// Unit length.
+    pub direction: Vec3,
+    /// Infinite for directional lights.
+    pub distance: f32,
+    /// The emissive triangle, which must not shadow itself.
+    pub primitive: Option<PrimitiveRef>,
+    /// Makes the mean over targets that of the image's measure.
+    pub weight: f32,
+}
+
+#[derive(Clone, Debug)]
+enum Emitter {
+    Point(PointLight),
+    Directional(DirectionalLight),
+    Area(AreaLight),
+    Mesh(MeshLight),
+    /// A table over the image; `None` for the constant environment, which is left to BSDF sampling.
+    Environment(Option<Piecewise2d>),
+    /// All unlit surfaces together; they are met, never sampled.
+    Unlit,
+}
+
+/// The lights of a scene. Analytic ones come first, in the snapshot's order, then emissive instances, then the environment.
+pub(crate) struct Lights {
+    emitters: Vec<Emitter>,
+    /// Unique names: the file's or `light <index>`, the node's for emissive instances, `environment`, `unlit`.
+    pub names: Vec<String>,
+    /// Number of analytic lights.
+    pub analytic: usize,
+    choice: Option<AliasTable>,
+    /// Area lights that rays meet.
+    shapes: ShapeTree,
+    /// Lights that rays meet where they leave the scene.
+    at_infinity: Vec<u32>,
+    /// For each instance the light it is, or `NO_LIGHT`.
+    light_of_instance: Vec<u32>,
+    /// True when a ray can meet light at all: there are other lights than points and parallel ones.
+    pub can_be_met: bool,
+    /// True when some light is never sampled and can only be met: the constant environment, unlit surfaces.
+    pub only_met: bool,
+}
+
+const NO_LIGHT: u32 = u32::MAX;
+
+/// Share of choices that ignores power: estimates of power know nothing of distance and shadows.
+const UNIFORM_CHOICE: f32 = 0.1;
+
+impl Lights {
+    pub(crate) fn new(world: &World) -> Self {
+        let scene = &world.scene;
+        let mut lights = Self {
+            emitters: Vec::new(),
+            names: Vec::new(),
+            analytic: world.snapshot.lights.len(),
+            choice: None,
+            shapes: ShapeTree::default(),
+            at_infinity: Vec::new(),
+            light_of_instance: vec![NO_LIGHT; world.instances.len()],
+            can_be_met: false,
+            only_met: false,
+        };
+        for (index, placed) in world.snapshot.lights.iter().enumerate() {
+            let name = if placed.light.name.is_empty() { format!("light {index}") } else { placed.light.name.clone() };
+            lights.push(name, analytic(placed));
+        }
+        for (index, placed) in world.instances.iter().enumerate() {
+            let material = &scene.materials[placed.material as usize];
+            if !material.unlit
+                && material.is_emissive()
+                && let Some(light) = MeshLight::new(world, index as u32)
+            {
+                let node = &scene.nodes[world.snapshot.instances[index].node];
+                let name = [&node.name, &placed.mesh.name].into_iter().find(|n| !n.is_empty()).cloned();
+                lights.light_of_instance[index] = lights.emitters.len() as u32;
+                lights.push(name.unwrap_or_else(|| format!("mesh {index}")), Emitter::Mesh(light));
+            }
+        }
+        if let Some(environment) = &scene.environment {
+            let table = environment.importance().and_then(|grid| {
+                let size = grid.size();
+                Piecewise2d::new(grid.pixels(), size.x as usize, size.y as usize)
+            });
+            lights.push("environment".into(), Emitter::Environment(table.filter(|table| !table.is_zero())));
+        }
+        let unlit = |placed: &crate::world::Placed| scene.materials[placed.material as usize].unlit;
+        if world.instances.iter().any(unlit) {
+            let light = lights.emitters.len() as u32;
+            lights.push("unlit".into(), Emitter::Unlit);
+            for (instance, _) in world.instances.iter().enumerate().filter(|(_, placed)| unlit(placed)) {
+                lights.light_of_instance[instance] = light;
+            }
+        }
+        lights.index(world);
+        lights
+    }
+
+    /// The light of that name; with `visible`, only those that have an image `visibility.<light>`.
+    ///
+    /// # Errors
+    /// [`PathTracerError::Aov`] with the names there are.
+    pub(crate) fn index_of(&self, name: &str, visible: bool) -> Result<usize, PathTracerError> {
+        let eligible = |light: &usize| !visible || self.has_visibility(*light);
+        self.names.iter().position(|n| n == name).filter(eligible).ok_or_else(|| {
+            let what = if visible { "visibility" } else { "direct" };
+            let known: Vec<_> = (0..self.names.len()).filter(eligible).map(|light| format!("{what}.{}", self.names[light])).collect();
+            let known = if known.is_empty() { "none: the scene has no such light".into() } else { known.join(", ") };
+            PathTracerError::Aov { got: format!("{what}.{name}"), known }
+        })
+    }
+
+    fn push(&mut self, name: String, emitter: Emitter) {
+        let taken = |name: &String, names: &[String]| names.contains(name);
+        let mut unique = name.clone();
+        let mut number = 2;
+        while taken(&unique, &self.names) {
+            unique = format!("{name} {number}");
+            number += 1;
+        }
+        self.names.push(unique);
+        self.emitters.push(emitter);
+    }
+
+    /// Fills the tables over all emitters.
+    fn index(&mut self, world: &World) {
+        let powers: Vec<Option<f32>> = self.emitters.iter().map(|emitter| emitter.power(world)).collect();
+        let count = powers.iter().flatten().count();
+        let total: f32 = powers.iter().flatten().sum();
+        let weight = |power: &Option<f32>| match power {
+            None => 0.0,
+            Some(_) if total.is_nan() || total <= 0.0 => 1.0,
+            Some(power) => (1.0 - UNIFORM_CHOICE) * power / total + UNIFORM_CHOICE / count as f32,
+        };
+        let weights: Vec<f32> = powers.iter().map(weight).collect();
+        self.choice = AliasTable::new(&weights).filter(|_| count > 0);
+        self.only_met = self.emitters.iter().any(|emitter| matches!(emitter, Emitter::Environment(None) | Emitter::Unlit));
+        self.can_be_met = self.emitters.iter().any(Emitter::can_be_met);
+        let mut boxes = Vec::new();
+        for (index, emitter) in self.emitters.iter().enumerate() {
+            match emitter {
+                Emitter::Area(light) => boxes.push((index as u32, light.bounds())),
+                Emitter::Environment(_) => self.at_infinity.push(index as u32),
+                Emitter::Directional(_) if emitter.can_be_met() => self.at_infinity.push(index as u32),
+                _ => {}
+            }
+        }
+        self.shapes = ShapeTree::new(&boxes);
+    }
+
+    /// Probability of choosing `light`.
+    fn probability(&self, light: u32) -> f32 {
+        self.choice.as_ref().map_or(0.0, |choice| choice.pmf(light as usize))
+    }
+
+    /// A direction towards some light from `from`. `None` when the chosen light does not shine there.
+    #[inline]
+    pub(crate) fn sample(&self, world: &World, from: Vec3, choice: f32, u: Vec2) -> Option<ChosenLight> {
+        let (light, probability, rest) = self.choice.as_ref()?.sample(choice);
+        let (mut sample, primitive) = match &self.emitters[light] {
+            Emitter::Point(point) => (point.sample(from)?, None),
+            Emitter::Directional(directional) => (directional.sample(u), None),
+            Emitter::Area(area) => (area.sample(from, u)?, None),
+            Emitter::Mesh(mesh) => {
+                let (sample, primitive) = mesh.sample(world, from, rest, u)?;
+                (sample, Some(primitive))
+            }
+            Emitter::Environment(table) => (sample_environment(world.scene.environment.as_ref()?, table.as_ref()?, u)?, None),
+            Emitter::Unlit => return None,
+        };
+        let value = if sample.pdf.is_finite() {
+            sample.pdf *= probability;
+            sample.radiance / sample.pdf
+        } else {
+            sample.radiance / probability
+        };
+        Some(ChosenLight { light: light as u32, sample, value, primitive })
+    }
+
+    /// The analytic area lights that a ray passes before `t_max`.
+    #[inline]
+    pub(crate) fn along(&self, origin: Vec3, direction: Vec3, t_max: f32, mut see: impl FnMut(f32, SeenLight)) {
+        if self.shapes.is_empty() {
+            return;
+        }
+        self.shapes.visit(origin, direction, t_max, |light| {
+            let Emitter::Area(area) = &self.emitters[light as usize] else { return };
+            if let Some((t, radiance)) = area.seen_along(origin, direction)
+                && t < t_max
+            {
+                see(t, SeenLight { light, radiance, pdf: self.probability(light) * area.pdf(origin, direction, t) });
+            }
+        });
+    }
+
+    /// What a ray meets that leaves the scene.
+    pub(crate) fn beyond(&self, world: &World, direction: Vec3, mut see: impl FnMut(SeenLight)) {
+        for &light in &self.at_infinity {
+            match (&self.emitters[light as usize], &world.scene.environment) {
+                (Emitter::Directional(directional), _) => {
+                    if let Some((radiance, pdf)) = directional.seen_along(direction) {
+                        see(SeenLight { light, radiance, pdf: self.probability(light) * pdf });
+                    }
+                }
+                (Emitter::Environment(table), Some(environment)) => {
+                    let pdf = table.as_ref().map_or(0.0, |table| {
+                        let uv = environment.uv(direction);
+                        self.probability(light) * environment.pdf_from_uv(table.pdf(uv), uv)
+                    });
+                    see(SeenLight { light, radiance: environment.radiance(direction), pdf });
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Density with which [`Lights::sample`] finds a point of an instance's triangle; 0 for instances that are no light.
+    pub(crate) fn pdf_of_surface(&self, world: &World, primitive: PrimitiveRef, from: Vec3, direction: Vec3, distance: f32) -> f32 {
+        let light = self.light_of_instance[primitive.instance as usize];
+        match self.emitters.get(light as usize) {
+            Some(Emitter::Mesh(mesh)) => self.probability(light) * mesh.pdf(world, primitive.primitive, from, direction, distance),
+            _ => 0.0,
+        }
+    }
+
+    /// The light that an instance is.
+    pub(crate) fn of_instance(&self, instance: u32) -> Option<u32> {
+        Some(self.light_of_instance[instance as usize]).filter(|&light| light != NO_LIGHT)
+    }
+
+    /// Where to look from `from` to see whether it sees the light; `None` for the environment and from inside of a sphere.
+    pub(crate) fn point_of_visibility(&self, world: &World, light: u32, from: Vec3, choice: f32, u: Vec2) -> Option<Target> {
+        let (point, primitive, weight) = match &self.emitters[light as usize] {
+            Emitter::Point(point) => (point.position, None, 1.0),
+            Emitter::Directional(directional) => {
+                return Some(Target { direction: directional.sample(u).wi, distance: f32::INFINITY, primitive: None, weight: 1.0 });
+            }
+            Emitter::Area(area) => (area.point_of_visibility(from, u)?, None, 1.0),
+            Emitter::Mesh(mesh) => {
+                let (point, primitive, weight) = mesh.point_of_visibility(world, choice, u);
+                (point, Some(primitive), weight)
+            }
+            Emitter::Environment(_) | Emitter::Unlit => return None,
+        };
+        let distance = point.distance(from);
+        Some(Target { direction: (point - from) / distance, distance, primitive, weight })
+    }
+
+    /// True for lights that `visibility.<light>` is defined for.
+    pub(crate) fn has_visibility(&self, light: usize) -> bool {
+        !matches!(self.emitters[light], Emitter::Environment(_) | Emitter::Unlit)
+    }
+}
+
+fn analytic(placed: &PlacedLight) -> Emitter {
+    let frame = &placed.world_from_light;
+    let emission = placed.light.emission;
+    let axis = (-Vec3::from(frame.matrix3.z_axis)).normalize_or(Vec3::NEG_Z);
+    let position = Vec3::from(frame.translation);
+    match placed.light.shape {
+        LightShape::Point => Emitter::Point(PointLight { position, intensity: emission, cone: None }),
+        LightShape::Spot { inner, outer } => {
+            Emitter::Point(PointLight { position, intensity: emission, cone: Some(SpotCone::new(axis, inner.0, outer.0)) })
+        }
+        LightShape::Directional { half_angle } => Emitter::Directional(DirectionalLight::new(-axis, emission, half_angle.0)),
+        LightShape::Rectangle { width, height } => Emitter::Area(AreaLight::rectangle(frame, width.0, height.0, emission)),
+        LightShape::Disk { radius } => Emitter::Area(AreaLight::disk(frame, radius.0, emission)),
+        LightShape::Sphere { radius } => Emitter::Area(AreaLight::sphere(frame, radius.0, emission)),
+    }
+}
+
+impl Emitter {
+    /// Whether a ray can meet it.
+    fn can_be_met(&self) -> bool {
+        match self {
+            Self::Point(_) => false,
+            Self::Directional(light) => light.has_disk(),
+            Self::Area(_) | Self::Mesh(_) | Self::Environment(_) | Self::Unlit => true,
+        }
+    }
+
+    /// Estimated flux into the scene, W; `None` for what is never chosen.
+    fn power(&self, world: &World) -> Option<f32> {
+        match self {
+            Self::Point(light) => Some(light.power()),
+            Self::Directional(light) => Some(light.power(world.radius)),
+            Self::Area(light) => Some(light.power()),
+            Self::Mesh(light) => Some(light.power()),
+            Self::Unlit => None,
+            // The table's weights are ∫ Y sin θ dθ over a texel: their mean times the number of rows times 2π is ∫ Y dω.
+            Self::Environment(table) => table.as_ref().map(|t| t.mean() * t.size().y as f32 * 2.0 * PI * PI * world.radius * world.radius),
+        }
+    }
+}
+
+fn sample_environment(environment: &Environment, table: &Piecewise2d, u: Vec2) -> Option<LightSample> {
+    let (uv, pdf_uv) = table.sample(u);
+    let pdf = environment.pdf_from_uv(pdf_uv, uv);
+    let wi = environment.direction(uv);
+    (pdf > 0.0).then(|| LightSample { wi, distance: f32::INFINITY, radiance: environment.radiance(wi), pdf })
+}

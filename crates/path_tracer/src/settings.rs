@@ -1,0 +1,235 @@
+//! What to render, and how long.
+
+use crate::{Aov, Filter, PathTracerError};
+use glam::UVec2;
+use kajo_sampling::SamplerKind;
+use std::str::FromStr;
+use std::time::Duration;
+
+/// Everything that decides which picture is rendered; two renderings with equal settings are equal bit for bit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Width and height, px.
+    pub size: UVec2,
+    /// The camera, by name or by index.
+    pub camera: CameraChoice,
+    /// What the image `beauty` is.
+    pub integrator: Integrator,
+    /// Largest number of surface bounces of a path: 0 shows emitters only, 1 adds direct light, 2 one indirect bounce, and so on.
+    pub max_depth: u32,
+    /// How direct light is found.
+    pub strategy: Strategy,
+    /// When paths end by chance.
+    pub russian_roulette: RussianRoulette,
+    /// The random numbers.
+    pub sampler: SamplerKind,
+    /// Pixel filter.
+    pub filter: Filter,
+    /// Chooses among equally good sets of random numbers.
+    pub seed: u64,
+    /// Images besides `beauty`.
+    pub aovs: Vec<Aov>,
+    /// Longest ray of ambient occlusion, m (integrator `ao` and image `ambient-visibility`); infinite asks for the open sky.
+    pub ambient_distance: f32,
+    /// Move the start of rays off coarse smooth-shaded meshes, so that the facets cast no shadow on themselves.    [Hanika21]
+    pub smooth_terminator: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            size: UVec2::new(1280, 720),
+            camera: CameraChoice::default(),
+            integrator: Integrator::default(),
+            max_depth: 32,
+            strategy: Strategy::default(),
+            russian_roulette: RussianRoulette::default(),
+            sampler: SamplerKind::default(),
+            filter: Filter::default(),
+            seed: 0,
+            aovs: Vec::new(),
+            ambient_distance: f32::INFINITY,
+            smooth_terminator: true,
+        }
+    }
+}
+
+impl Settings {
+    /// Largest width or height, px.
+    pub const MAX_SIDE: u32 = 1 << 16;
+
+    /// Checks the ranges of all numbers.
+    ///
+    /// # Errors
+    /// [`PathTracerError::Size`] and [`PathTracerError::Range`].
+    pub fn validate(&self) -> Result<(), PathTracerError> {
+        let UVec2 { x: width, y: height } = self.size;
+        if width == 0 || height == 0 || width > Self::MAX_SIDE || height > Self::MAX_SIDE {
+            return Err(PathTracerError::Size { width, height, max: Self::MAX_SIDE });
+        }
+        if self.ambient_distance.is_nan() || self.ambient_distance <= 0.0 {
+            return Err(PathTracerError::Range { what: "ambient distance", got: self.ambient_distance.into(), range: "(0, inf]" });
+        }
+        if let RussianRoulette::Constant(q) = self.russian_roulette
+            && !(q > 0.0 && q <= 1.0)
+        {
+            return Err(PathTracerError::Range { what: "survival probability", got: q.into(), range: "(0, 1]" });
+        }
+        Ok(())
+    }
+}
+
+/// Which camera of the scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CameraChoice {
+    /// Index into the snapshot's cameras.
+    Index(usize),
+    /// Name of a camera; the first one that has it.
+    Name(String),
+}
+
+impl Default for CameraChoice {
+    fn default() -> Self {
+        Self::Index(0)
+    }
+}
+
+impl From<&str> for CameraChoice {
+    /// A whole number is an index, everything else a name.
+    fn from(s: &str) -> Self {
+        s.parse().map_or_else(|_| Self::Name(s.into()), Self::Index)
+    }
+}
+
+/// What the image `beauty` shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Integrator {
+    /// Full transport: next-event estimation and BSDF sampling, combined by the power heuristic.
+    #[default]
+    Path,
+    /// The same with at most one bounce.
+    Direct,
+    /// Full transport by BSDF sampling alone, written independently of `Path`: the check of the judge. It cannot see point, spot
+    /// and parallel lights.
+    BsdfOnly,
+    /// Ambient visibility (1/π) ∫ V cos θ dω by cosine-distributed rays.    [Pharr02]
+    Ao,
+    /// Mean of V over uniformly distributed directions of the hemisphere, 1/2π ∫ V dω.
+    AoUniform,
+    /// Base colour at the first hit.
+    Albedo,
+    /// Shading normal at the first hit, each component n mapped to (n + 1)/2.
+    Normal,
+}
+
+impl Integrator {
+    /// Every integrator with its name.
+    pub const ALL: [(&'static str, Self); 7] = [
+        ("path", Self::Path),
+        ("direct", Self::Direct),
+        ("bsdf-only", Self::BsdfOnly),
+        ("ao", Self::Ao),
+        ("ao-uniform", Self::AoUniform),
+        ("albedo", Self::Albedo),
+        ("normal", Self::Normal),
+    ];
+}
+
+impl FromStr for Integrator {
+    type Err = PathTracerError;
+
+    fn from_str(s: &str) -> Result<Self, PathTracerError> {
+        Self::ALL.iter().find(|(name, _)| *name == s).map(|&(_, integrator)| integrator).ok_or_else(|| PathTracerError::Choice {
+            what: "integrator",
+            got: s.into(),
+            known: Self::ALL.map(|(name, _)| name).join(", "),
+        })
+    }
+}
+
+/// How the integrators `path` and `direct` find direct light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Strategy {
+    /// Light sampling and BSDF sampling, combined by the power heuristic.
+    #[default]
+    Mis,
+    /// Light sampling alone; emitters are seen directly and by perfect mirrors and glass. Fewer rays, much noise on shiny surfaces.
+    Lights,
+}
+
+/// Ending of paths by chance: a path goes on with probability q, and what it finds is divided by q.    [Arvo90]
+///
+/// Unbiased for every q in (0, 1]; it trades noise for time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RussianRoulette {
+    /// Paths end at the depth limit only.
+    Off,
+    /// From the third bounce on, q is the largest channel of the path's throughput, at most 0.95.
+    Throughput,
+    /// q at every bounce.
+    Constant(f32),
+}
+
+impl Default for RussianRoulette {
+    fn default() -> Self {
+        Self::Throughput
+    }
+}
+
+impl RussianRoulette {
+    /// First bounce at which [`RussianRoulette::Throughput`] may end a path: the first ones carry most of the picture.
+    const START: u32 = 3;
+    /// Bright paths in a closed white room still end.
+    const MAX_SURVIVAL: f32 = 0.95;
+
+    /// Probability that a path that has bounced `bounces` times goes on.
+    #[inline]
+    pub(crate) fn survival(self, bounces: u32, throughput_max: f32) -> f32 {
+        match self {
+            Self::Off => 1.0,
+            Self::Throughput if bounces < Self::START => 1.0,
+            Self::Throughput => throughput_max.min(Self::MAX_SURVIVAL),
+            Self::Constant(q) => q,
+        }
+    }
+}
+
+/// When to stop; the first condition that holds ends the rendering.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stop {
+    /// Samples per pixel, those of a resumed film included.
+    pub spp: Option<u32>,
+    /// Wall-clock time of this run. It is looked at between passes, whose length is chosen to fit; the first pass is always made.
+    pub time: Option<Duration>,
+    /// Relative standard error of the image, see [`Frame::relative_standard_error`](crate::Frame::relative_standard_error).
+    pub noise: Option<f32>,
+}
+
+impl Stop {
+    /// After `spp` samples per pixel.
+    pub fn at_spp(spp: u32) -> Self {
+        Self { spp: Some(spp), ..Self::default() }
+    }
+
+    /// After `time`.
+    pub fn at_time(time: Duration) -> Self {
+        Self { time: Some(time), ..Self::default() }
+    }
+
+    /// When the relative standard error is at most `error`.
+    pub fn at_noise(error: f32) -> Self {
+        Self { noise: Some(error), ..Self::default() }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), PathTracerError> {
+        if let Some(noise) = self.noise
+            && !(noise > 0.0 && noise.is_finite())
+        {
+            return Err(PathTracerError::Range { what: "noise level", got: noise.into(), range: "(0, inf)" });
+        }
+        if self.spp == Some(0) {
+            return Err(PathTracerError::Range { what: "samples per pixel", got: 0.0, range: "1 ..= 4294967295" });
+        }
+        if *self == Self::default() { Err(PathTracerError::EndlessStop) } else { Ok(()) }
+    }
+}

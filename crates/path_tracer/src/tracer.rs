@@ -1,0 +1,113 @@
+//! The tracer: a scene at one time, ready for rays.
+
+use crate::fingerprint::scene_hash;
+use crate::lights::Lights;
+use crate::world::World;
+use crate::{Aov, CameraChoice, PathTracerError, Settings};
+use kajo_scene::{PlacedCamera, Scene, Snapshot};
+use std::sync::OnceLock;
+
+/// A scene evaluated at one time, with its hierarchy and light tables. Renders any number of pictures, see [`render`](crate::render).
+pub struct Tracer {
+    pub(crate) world: World,
+    pub(crate) lights: Lights,
+    pub(crate) previous: Option<Snapshot>,
+    hash: OnceLock<u64>,
+}
+
+impl Tracer {
+    /// Builds the hierarchy and the light tables. `snapshot` must be one of `scene`.
+    ///
+    /// # Errors
+    /// [`PathTracerError::Bvh`] for geometry that is not finite or too much.
+    pub fn new(scene: &Scene, snapshot: Snapshot) -> Result<Self, PathTracerError> {
+        let world = World::new(scene, snapshot)?;
+        let lights = Lights::new(&world);
+        Ok(Self { world, lights, previous: None, hash: OnceLock::new() })
+    }
+
+    /// Adds the scene one frame earlier, which the image `motion` needs.
+    ///
+    /// # Errors
+    /// [`PathTracerError::PreviousDiffers`] for a snapshot of another scene.
+    pub fn with_previous(mut self, previous: Snapshot) -> Result<Self, PathTracerError> {
+        let (got, expected) = (previous.instances.len(), self.world.snapshot.instances.len());
+        if got != expected {
+            return Err(PathTracerError::PreviousDiffers { got, expected });
+        }
+        self.previous = Some(previous);
+        self.hash = OnceLock::new();
+        Ok(self)
+    }
+
+    /// The snapshot that is rendered.
+    pub fn snapshot(&self) -> &Snapshot {
+        &self.world.snapshot
+    }
+
+    /// Names of all lights, as `direct.<light>` takes them: analytic lights in the snapshot's order, then emissive instances, then
+    /// `environment` and `unlit` where the scene has them.
+    pub fn light_names(&self) -> &[String] {
+        &self.lights.names
+    }
+
+    /// Names of the lights that have an image `visibility.<light>`: all but `environment` and `unlit`.
+    pub fn visibility_light_names(&self) -> impl Iterator<Item = &str> {
+        (0..self.lights.names.len()).filter(|&light| self.lights.has_visibility(light)).map(|light| self.lights.names[light].as_str())
+    }
+
+    /// Bytes of the hierarchy.
+    pub fn bvh_bytes(&self) -> usize {
+        self.world.tlas.memory()
+    }
+
+    /// Every image that can be asked for, `bounce.<n>` up to `max_bounce`.
+    pub fn all_aovs(&self, max_bounce: u32) -> Vec<Aov> {
+        let any = |light: &str| light.to_owned();
+        let mut aovs: Vec<_> = Aov::PLAIN.iter().filter(|aov| **aov != Aov::Motion || self.previous.is_some()).cloned().collect();
+        aovs.extend(self.lights.names.iter().map(|light| Aov::DirectLight(any(light))));
+        aovs.extend(self.visibility_light_names().map(|light| Aov::Visibility(any(light))));
+        aovs.extend((0..=max_bounce).map(Aov::Bounce));
+        aovs
+    }
+
+    /// `aovs` with the light `*` replaced by every light.
+    ///
+    /// # Errors
+    /// [`PathTracerError::NoPrevious`].
+    pub(crate) fn resolve_aovs(&self, aovs: &[Aov]) -> Result<Vec<Aov>, PathTracerError> {
+        if aovs.contains(&Aov::Motion) && self.previous.is_none() {
+            return Err(PathTracerError::NoPrevious);
+        }
+        let expand = |aov: &Aov| match aov {
+            Aov::DirectLight(light) if light == "*" => self.lights.names.iter().cloned().map(Aov::DirectLight).collect(),
+            Aov::Visibility(light) if light == "*" => self.visibility_light_names().map(|l| Aov::Visibility(l.into())).collect(),
+            _ => vec![aov.clone()],
+        };
+        Ok(aovs.iter().flat_map(expand).collect())
+    }
+
+    /// Index of the camera that the settings choose.
+    ///
+    /// # Errors
+    /// [`PathTracerError::Camera`] with the cameras there are.
+    pub(crate) fn camera(&self, settings: &Settings) -> Result<usize, PathTracerError> {
+        let cameras = &self.world.snapshot.cameras;
+        let found = match &settings.camera {
+            CameraChoice::Index(index) => Some(*index).filter(|&index| index < cameras.len()),
+            CameraChoice::Name(name) => cameras.iter().position(|camera| &camera.camera.name == name),
+        };
+        found.ok_or_else(|| {
+            let got = match &settings.camera {
+                CameraChoice::Index(index) => index.to_string(),
+                CameraChoice::Name(name) => name.clone(),
+            };
+            let name = |(index, camera): (usize, &PlacedCamera)| format!("{index} `{}`", camera.camera.name);
+            PathTracerError::Camera { got, have: cameras.iter().enumerate().map(name).collect::<Vec<_>>().join(", ") }
+        })
+    }
+
+    pub(crate) fn hash(&self) -> u64 {
+        *self.hash.get_or_init(|| scene_hash(&self.world.scene, &self.world.snapshot, self.previous.as_ref()))
+    }
+}

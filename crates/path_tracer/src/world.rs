@@ -1,0 +1,190 @@
+//! The scene as rays see it: the two-level hierarchy, placed meshes, and materials ready for lookup.
+
+use crate::PathTracerError;
+use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec4};
+use kajo_bvh::{Blas, BuildOptions, BvhInstance, Filter, Hit, PrimitiveRef, Ray, Tlas};
+use kajo_sampling::{hash_u64, unit_f32};
+use kajo_scene::{Material, Mesh, Scene, Snapshot, SurfaceMaterial, SurfaceUv};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Geometry and materials of one snapshot.
+pub(crate) struct World {
+    pub scene: Scene,
+    pub snapshot: Snapshot,
+    pub tlas: Tlas,
+    pub instances: Vec<Placed>,
+    pub materials: Vec<MaterialInfo>,
+    /// Radius of a sphere around everything, m.
+    pub radius: f32,
+    /// True when no ray can pass a surface.
+    all_opaque: bool,
+}
+
+/// An instance as shading needs it.
+#[derive(Clone, Debug)]
+pub(crate) struct Placed {
+    pub mesh: Arc<Mesh>,
+    pub material: u32,
+    pub world_from_object: Affine3A,
+    /// Inverse transpose of the linear part.
+    pub normal_from_object: Mat3A,
+    /// −1 for a mirroring transform, else 1.
+    pub handedness: f32,
+}
+
+/// What is known of a material before any hit.
+#[derive(Clone, Debug)]
+pub(crate) struct MaterialInfo {
+    /// The material everywhere, when it has no textures.
+    pub constant: Option<SurfaceMaterial>,
+    pub alpha_test: bool,
+    /// A tangent frame is worth computing.
+    pub needs_tangent: bool,
+}
+
+impl MaterialInfo {
+    fn new(scene: &Scene, material: &Material) -> Self {
+        let constant = textures(material).iter().all(|t| t.is_none()).then(|| material.at(scene, &SurfaceUv::default()));
+        Self {
+            constant,
+            alpha_test: material.needs_alpha_test(),
+            needs_tangent: material.normal_texture.is_some() || material.clearcoat_normal_texture.is_some() || material.anisotropy > 0.0,
+        }
+    }
+}
+
+/// Every texture that changes what [`Material::at`] answers.
+fn textures(m: &Material) -> [&Option<kajo_scene::TextureRef>; 17] {
+    [
+        &m.base_color_texture,
+        &m.metallic_roughness_texture,
+        &m.normal_texture,
+        &m.occlusion_texture,
+        &m.emission_texture,
+        &m.specular_texture,
+        &m.specular_color_texture,
+        &m.clearcoat_texture,
+        &m.clearcoat_roughness_texture,
+        &m.clearcoat_normal_texture,
+        &m.sheen_color_texture,
+        &m.sheen_roughness_texture,
+        &m.anisotropy_texture,
+        &m.transmission_texture,
+        &m.thickness_texture,
+        &m.iridescence_texture,
+        &m.iridescence_thickness_texture,
+    ]
+}
+
+impl World {
+    pub(crate) fn new(scene: &Scene, snapshot: Snapshot) -> Result<Self, PathTracerError> {
+        let blases = snapshot
+            .meshes
+            .par_iter()
+            .map(|mesh| {
+                Blas::build(&mesh.positions, &mesh.indices, &BuildOptions::default())
+                    .map(Arc::new)
+                    .map_err(|e| PathTracerError::Bvh { mesh: mesh.name.clone(), source: e })
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let materials: Vec<_> = scene.materials.iter().map(|material| MaterialInfo::new(scene, material)).collect();
+        let instances: Vec<_> = snapshot
+            .instances
+            .iter()
+            .map(|instance| {
+                let mesh = snapshot.meshes[instance.mesh].clone();
+                let linear = instance.world_from_object.matrix3;
+                let determinant = linear.determinant();
+                // The cofactor matrix is the inverse transpose times the determinant: no division, and defined for flat transforms.
+                let cofactor = Mat3A::from_cols(
+                    linear.y_axis.cross(linear.z_axis),
+                    linear.z_axis.cross(linear.x_axis),
+                    linear.x_axis.cross(linear.y_axis),
+                );
+                let handedness = 1.0f32.copysign(determinant);
+                Placed {
+                    material: mesh.material as u32,
+                    mesh,
+                    world_from_object: instance.world_from_object,
+                    normal_from_object: cofactor * handedness,
+                    handedness,
+                }
+            })
+            .collect();
+        let placed = snapshot.instances.iter().zip(&instances).map(|(instance, placed)| BvhInstance {
+            opaque: !materials[placed.material as usize].alpha_test,
+            ..BvhInstance::new(instance.mesh, instance.world_from_object)
+        });
+        let tlas = Tlas::build(blases, placed.collect()).map_err(|e| PathTracerError::Bvh { mesh: "(all)".into(), source: e })?;
+        let bounds = tlas.bounds();
+        let radius = if bounds.is_empty() { 1.0 } else { 0.5 * (bounds.max - bounds.min).length() };
+        let all_opaque = instances.iter().all(|placed| !materials[placed.material as usize].alpha_test);
+        Ok(Self { scene: scene.clone(), snapshot, tlas, instances, materials, radius, all_opaque })
+    }
+
+    /// The nearest surface that is there, by masks and, for blended surfaces, by chance.
+    #[inline]
+    pub(crate) fn closest(&self, ray: &Ray, leaving: Option<PrimitiveRef>, chance: u64) -> Option<Hit> {
+        let filter = Filter { exclude: leaving, ..Filter::ALL };
+        if self.all_opaque {
+            self.tlas.closest_hit_opaque(ray, filter)
+        } else {
+            self.tlas.closest_hit(ray, filter, |hit| self.is_there(hit, chance))
+        }
+    }
+
+    /// Whether something lies on the segment, masks and blended surfaces counting as in [`World::closest`].
+    #[inline]
+    pub(crate) fn occluded(&self, ray: &Ray, leaving: Option<PrimitiveRef>, chance: u64) -> bool {
+        let filter = Filter { exclude: leaving, ..Filter::ALL };
+        if self.all_opaque {
+            self.tlas.any_hit_opaque(ray, filter)
+        } else {
+            self.tlas.any_hit(ray, filter, |hit| self.is_there(hit, chance))
+        }
+    }
+
+    /// Whether the surface is there for this ray: the coverage against a number made of the ray's `chance` and the triangle, so that the answer
+    /// does not depend on the order of traversal.
+    fn is_there(&self, hit: &Hit, chance: u64) -> bool {
+        let placed = &self.instances[hit.instance as usize];
+        let material = &self.scene.materials[placed.material as usize];
+        let coverage = material.coverage_at(&self.scene, &placed.uv_at(hit.primitive, hit.u, hit.v));
+        coverage >= 1.0 || {
+            let triangle = u64::from(hit.instance) << 32 | u64::from(hit.primitive);
+            unit_f32((hash_u64(chance ^ hash_u64(triangle)) >> 32) as u32) < coverage
+        }
+    }
+}
+
+/// Interpolates three vertex values, `weights` summing to 1.
+pub(crate) fn interpolate<T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(
+    values: &[T],
+    indices: [u32; 3],
+    [a, b, c]: [f32; 3],
+) -> T {
+    let [i, j, k] = indices.map(|i| values[i as usize]);
+    i * a + j * b + k * c
+}
+
+impl Placed {
+    /// Texture coordinates and colour at a point of a triangle.
+    pub(crate) fn uv_at(&self, primitive: u32, u: f32, v: f32) -> SurfaceUv {
+        let indices = self.mesh.indices[primitive as usize];
+        let weights = [1.0 - u - v, u, v];
+        let uv = |set: &Vec<Vec2>| if set.is_empty() { Vec2::ZERO } else { interpolate(set, indices, weights) };
+        let color = if self.mesh.colors.is_empty() { Vec4::ONE } else { interpolate(&self.mesh.colors, indices, weights) };
+        SurfaceUv { uvs: [uv(&self.mesh.uvs[0]), uv(&self.mesh.uvs[1])], color }
+    }
+
+    /// Object-space corners of a triangle.
+    pub(crate) fn triangle(&self, primitive: u32) -> [Vec3; 3] {
+        self.mesh.indices[primitive as usize].map(|i| self.mesh.positions[i as usize])
+    }
+
+    /// World-space corners of a triangle.
+    pub(crate) fn world_triangle(&self, primitive: u32) -> [Vec3; 3] {
+        self.triangle(primitive).map(|p| self.world_from_object.transform_point3(p))
+    }
+}

@@ -1,3 +1,0 @@
-//! The importer as a whole, on small files made here and on real scenes.
-
-mod assets;

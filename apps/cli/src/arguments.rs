@@ -52,6 +52,9 @@ pub enum Command {
         #[arg(long, value_parser = ["done", "partial", "todo"])]
         status: Option<String>,
     },
+    /// Time parts of Kajo
+    #[command(subcommand)]
+    Bench(Bench),
     /// List the GPU adapters and what they can do
     Devices {
         /// One line an adapter, fields separated by tabs; nothing and exit code 0 without any
@@ -213,6 +216,33 @@ pub struct Compare {
 pub struct Info {
     /// A .gltf, .glb, .obj or .kajo.toml file, or builtin:NAME
     pub scene: String,
+}
+
+/// `kajo bench`.
+#[derive(Debug, Subcommand)]
+pub enum Bench {
+    /// Build a hierarchy over triangles and trace rays through it, on the CPU
+    Rays(BenchRays),
+}
+
+/// `kajo bench rays`.
+#[derive(Debug, Args)]
+pub struct BenchRays {
+    /// Triangles: little-endian f32, nine each
+    #[arg(long, value_name = "FILE")]
+    pub triangles: PathBuf,
+    /// Rays: little-endian f32, eight each: origin, direction, tmin, tmax
+    #[arg(long, value_name = "FILE")]
+    pub rays: PathBuf,
+    /// Ask whether anything is hit instead of what is hit first
+    #[arg(long)]
+    pub any_hit: bool,
+    /// Worker threads [default: all]; does not change the result
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Builds and traces this often; the best counts
+    #[arg(long, value_name = "N", default_value = "5", value_parser = clap::value_parser!(u32).range(1..))]
+    pub repeat: u32,
 }
 
 /// `kajo metrics`.

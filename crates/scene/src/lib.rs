@@ -5,10 +5,14 @@
 //! replaces is on [`Scene::ignored`], never dropped silently.
 
 pub mod builtin;
+mod decode;
 mod environment_file;
 mod environment_lookup;
 mod error;
+mod files;
 pub mod framing;
+pub mod gltf;
+mod limits;
 mod load;
 mod merge;
 pub mod model;
@@ -23,6 +27,8 @@ mod texture_lookup;
 
 pub use environment_file::{LoadedEnvironment, decode_environment, load_environment};
 pub use error::SceneError;
+pub use gltf::load_gltf;
+pub use limits::ImportLimits;
 pub use load::{LoadOptions, load};
 pub use model::*;
 pub use snapshot::{Instance, PlacedCamera, PlacedLight, Snapshot};

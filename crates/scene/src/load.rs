@@ -38,6 +38,7 @@ fn import(reference: &str) -> Result<Scene, SceneError> {
     let path = Path::new(reference);
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     match extension.as_str() {
+        "gltf" | "glb" => crate::load_gltf(path),
         _ if !path.exists() && extension.is_empty() && builtin::all().iter().any(|b| b.name == reference) => {
             Err(SceneError::UnknownBuiltin { reference: reference.into(), problem: format!("did you mean `builtin:{reference}`?") })
         }

@@ -1,17 +1,19 @@
 //! One file a command.
 
+mod bench_rays;
 mod coverage;
 mod devices;
 mod metrics;
 mod scenes;
 
-use crate::arguments::{Command, Kajo};
+use crate::arguments::{Bench, Command, Kajo};
 use crate::failure::Outcome;
 
 /// Carries out the command.
 pub fn run(arguments: &Kajo) -> Outcome {
     let common = &arguments.common;
     match &arguments.command {
+        Command::Bench(Bench::Rays(arguments)) => bench_rays::run(common, arguments),
         Command::Coverage { status } => coverage::run(common, status.as_deref()),
         Command::Devices { plain } => devices::run(common, *plain),
         Command::Metrics(arguments) => metrics::run(common, arguments),

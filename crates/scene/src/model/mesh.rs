@@ -48,6 +48,35 @@ impl Mesh {
         }
         self.faceted = true;
     }
+
+    /// The same mesh with other vertices: vertex i of the result is vertex `sources[i]`. The indices are left out, since they name the old
+    /// vertices.
+    pub fn gather(&self, sources: &[u32]) -> Self {
+        fn pick<T: Copy>(values: &[T], sources: &[u32]) -> Vec<T> {
+            if values.is_empty() { Vec::new() } else { sources.iter().map(|&source| values[source as usize]).collect() }
+        }
+        let pick_target = |target: &MorphTarget| MorphTarget {
+            positions: pick(&target.positions, sources),
+            normals: pick(&target.normals, sources),
+            tangents: pick(&target.tangents, sources),
+            uvs: target.uvs.each_ref().map(|uvs| pick(uvs, sources)),
+            colors: pick(&target.colors, sources),
+        };
+        Self {
+            name: self.name.clone(),
+            positions: pick(&self.positions, sources),
+            normals: pick(&self.normals, sources),
+            faceted: self.faceted,
+            tangents: pick(&self.tangents, sources),
+            uvs: self.uvs.each_ref().map(|uvs| pick(uvs, sources)),
+            colors: pick(&self.colors, sources),
+            indices: Vec::new(),
+            material: self.material,
+            skin_weights: pick(&self.skin_weights, sources),
+            morph_targets: self.morph_targets.iter().map(pick_target).collect(),
+            morph_weights: self.morph_weights.clone(),
+        }
+    }
 }
 
 /// Up to eight joints of one vertex (two glTF sets); unused entries have weight 0. Weights sum to 1.

@@ -1,0 +1,3 @@
+//! The importer as a whole, on small files made here and on real scenes.
+
+mod assets;

@@ -1,6 +1,8 @@
 //! What the whole tracer claims, checked against closed forms and against itself.
 
+mod aovs;
 mod compare;
+mod determinism;
 mod direct_light;
 mod estimators;
 mod furnace;

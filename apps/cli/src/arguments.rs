@@ -1,7 +1,10 @@
 //! The words of the command line. Names and flags are a contract: add, do not rename.
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::UVec2;
+use kajo_image::ToneMap;
+use kajo_path_tracer::{Filter, Integrator};
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -96,8 +99,8 @@ pub struct Render {
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub aov: Vec<String>,
     /// What to estimate
-    #[arg(long, value_enum, default_value = "path")]
-    pub integrator: IntegratorChoice,
+    #[arg(long, value_parser = named(&Integrator::ALL), default_value = "path")]
+    pub integrator: Integrator,
     /// Technique for a role of the real-time renderer, with parameters
     #[arg(long, value_name = "ROLE=ID[:param=value,…]")]
     pub technique: Vec<String>,
@@ -120,8 +123,8 @@ pub struct Render {
     #[arg(long, value_name = "STOPS|auto", allow_hyphen_values = true)]
     pub exposure: Option<ExposureChoice>,
     /// Curve from scene to display; .png only
-    #[arg(long, value_enum, default_value = "pbr-neutral")]
-    pub tone_map: ToneMapChoice,
+    #[arg(long, value_parser = named(TONE_MAPS), default_value = "pbr-neutral")]
+    pub tone_map: ToneMap,
 }
 
 /// What is seen: shared by render and compare.
@@ -145,7 +148,7 @@ pub struct View {
 #[derive(Debug, Args)]
 pub struct Tracing {
     /// Longest path, in surface bounces; 1 is direct light
-    #[arg(long, value_name = "N", default_value = "16", value_parser = clap::value_parser!(u32).range(0..=10_000))]
+    #[arg(long, value_name = "N", default_value = "32", value_parser = clap::value_parser!(u32).range(0..=10_000))]
     pub max_depth: u32,
     /// No Russian roulette
     #[arg(long)]
@@ -157,11 +160,11 @@ pub struct Tracing {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Random numbers
-    #[arg(long, value_enum, default_value = "sobol")]
+    #[arg(long, value_parser = named(SAMPLERS), default_value = "sobol")]
     pub sampler: SamplerChoice,
     /// Reconstruction filter
-    #[arg(long, value_enum, default_value = "blackman-harris")]
-    pub filter: FilterChoice,
+    #[arg(long, value_parser = named(&Filter::ALL), default_value = "blackman-harris")]
+    pub filter: Filter,
 }
 
 /// `kajo compare`.
@@ -265,53 +268,33 @@ pub enum RendererChoice {
     Realtime,
 }
 
-/// What the path tracer estimates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum IntegratorChoice {
-    /// All light transport
-    Path,
-    /// Direct light only
-    Direct,
-    /// Ambient occlusion
-    Ao,
-    /// All light transport, found by BSDF sampling alone (slow; checks `path`)
-    BsdfOnly,
+/// The words of a library's own list.
+fn named<T: Copy + Send + Sync + 'static>(list: &'static [(&'static str, T)]) -> impl clap::builder::TypedValueParser<Value = T> {
+    let value = |word: String| list.iter().find(|(name, _)| *name == word).expect("one of the possible values").1;
+    PossibleValuesParser::new(list.iter().map(|(name, _)| *name)).map(value)
 }
+
+/// Random number sequences, by the name users write.
+const SAMPLERS: &[(&str, SamplerChoice)] =
+    &[("sobol", SamplerChoice::Sobol), ("blue-noise", SamplerChoice::BlueNoise), ("independent", SamplerChoice::Independent)];
+
+/// Tone maps, by the name users write.
+const TONE_MAPS: &[(&str, ToneMap)] = &[
+    ("pbr-neutral", ToneMap::PbrNeutral),
+    ("agx", ToneMap::Agx),
+    ("aces", ToneMap::Aces),
+    ("linear", ToneMap::Linear),
+];
 
 /// Random number sequences.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SamplerChoice {
-    /// Owen-scrambled Sobol points
+    /// Owen-scrambled Sobol points.
     Sobol,
-    /// Sobol points ordered so that the error looks like blue noise
+    /// Sobol points dealt to the pixels so that the error of the image is blue noise.
     BlueNoise,
-    /// Independent uniform numbers
+    /// Independent uniform numbers.
     Independent,
-}
-
-/// Reconstruction filters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs, reason = "the field's names")]
-pub enum FilterChoice {
-    Box,
-    Tent,
-    Gaussian,
-    BlackmanHarris,
-    /// The pixel's centre only, as a rasteriser without anti-aliasing samples it
-    Center,
-}
-
-/// Tone maps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ToneMapChoice {
-    /// Khronos PBR Neutral: keeps base colours
-    PbrNeutral,
-    /// AgX: film-like, keeps detail in highlights
-    Agx,
-    /// ACES filmic, fit by Hill
-    Aces,
-    /// Clamp only
-    Linear,
 }
 
 /// `auto` or stops.

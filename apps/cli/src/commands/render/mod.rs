@@ -1,0 +1,79 @@
+//! `kajo render`: one image, or a sequence of them.
+
+mod reference;
+mod write;
+
+use crate::arguments::{Common, Render, RendererChoice};
+use crate::failure::{Failure, Outcome};
+use crate::view;
+use kajo_scene::Scene;
+use std::path::{Path, PathBuf};
+
+/// Renders and writes what was asked for.
+pub fn run(common: &Common, arguments: &Render) -> Outcome {
+    check(arguments)?;
+    let scene = view::load_scene(&arguments.scene, &arguments.view)?;
+    note_ignored(common, &scene);
+    for (time, output) in frames(arguments) {
+        match arguments.renderer {
+            RendererChoice::Reference => reference::run(common, arguments, &scene, time, &output)?,
+            RendererChoice::Realtime => realtime::run(common, arguments, &scene, time, &output)?,
+        }
+    }
+    Ok(())
+}
+
+/// Refuses what cannot end well before anything is rendered.
+fn check(arguments: &Render) -> Outcome {
+    let format = write::Format::of(&arguments.output)?;
+    if !arguments.aov.is_empty() && format != write::Format::Exr {
+        return Err(Failure::usage("--aov writes layers of one file, which only .exr has; change the name of the output"));
+    }
+    if arguments.renderer == RendererChoice::Reference && !arguments.technique.is_empty() {
+        return Err(Failure::usage("--technique chooses for the real-time renderer; add --renderer realtime"));
+    }
+    let reference_only = [
+        ("--spp", arguments.spp.is_some()),
+        ("--time", arguments.time.is_some()),
+        ("--noise", arguments.noise.is_some()),
+        ("--checkpoint", arguments.checkpoint.is_some()),
+    ];
+    if let Some((flag, _)) = reference_only.iter().find(|(_, given)| *given && arguments.renderer == RendererChoice::Realtime) {
+        return Err(Failure::usage(format!("{flag} is for the path tracer; remove it or --renderer realtime")));
+    }
+    let outputs = [Some(&arguments.output), arguments.stats.as_ref(), arguments.checkpoint.as_ref()];
+    outputs.into_iter().flatten().try_for_each(|path| write::check_folder(path))
+}
+
+/// Times and files of the frames.
+fn frames(arguments: &Render) -> Vec<(f64, PathBuf)> {
+    match arguments.frames {
+        None => vec![(arguments.view.frame, arguments.output.clone())],
+        Some(range) => (range.first..=range.last)
+            .map(|number| (f64::from(number) / arguments.fps, numbered(&arguments.output, number)))
+            .collect(),
+    }
+}
+
+/// `dir/name.0007.png`.
+fn numbered(output: &Path, number: u32) -> PathBuf {
+    let extension = output.extension().unwrap_or_default().to_string_lossy();
+    output.with_extension(format!("{number:04}.{extension}"))
+}
+
+fn note_ignored(common: &Common, scene: &Scene) {
+    if !common.quiet {
+        scene.ignored.iter().for_each(|ignored| eprintln!("note: {ignored}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::numbered;
+    use std::path::Path;
+
+    #[test]
+    fn frame_numbers_stand_before_the_ending() {
+        assert_eq!(numbered(Path::new("a/b.exr"), 7), Path::new("a/b.0007.exr"));
+    }
+}

@@ -1,0 +1,219 @@
+//! `kajo render --renderer reference`: the path tracer, with progress, checkpoints and statistics.
+
+use super::write::{Picture, provenance};
+use crate::arguments::{Common, Render, SamplerChoice, Tracing};
+use crate::failure::{Failure, Outcome};
+use crate::{output, progress, view};
+use glam::UVec2;
+use indicatif::ProgressBar;
+use kajo_image::Layer;
+use kajo_path_tracer::{
+    Aov, CameraChoice, Control, Film, Frame, PathTracerError, Progress, RussianRoulette, Settings, Stop, Tracer, render,
+};
+use kajo_sampling::SamplerKind;
+use kajo_scene::{Scene, Snapshot};
+use kajo_units::Seconds;
+use serde_json::{Value, json};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// Samples per pixel when no stop is given.
+const DEFAULT_SPP: u32 = 64;
+
+/// Time between two writes of the checkpoint.
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
+
+/// Renders the scene at `time` into `output`.
+pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output: &Path) -> Outcome {
+    let started = Instant::now();
+    let (snapshot, camera) = view::snapshot(scene, &arguments.view, time)?;
+    let size = view::image_size(arguments.size.map(|size| size.0), &snapshot.cameras[camera]);
+    let previous = Snapshot::new(scene, Seconds((time - 1.0 / arguments.fps) as f32));
+    let tracer = Tracer::new(scene, snapshot)?.with_previous(previous)?;
+    let build_seconds = started.elapsed().as_secs_f64();
+
+    let settings = settings(arguments, size, camera, aovs(&arguments.aov, &tracer, arguments.tracing.max_depth)?);
+    let film = resumed(arguments)?;
+    let watch = Watch::new(common, arguments.checkpoint.clone(), output);
+    let film = in_pool(arguments.tracing.threads, || render(&tracer, &settings, stop(arguments), film, &watch))??;
+    watch.bar.finish_and_clear();
+    if let Some(path) = &arguments.checkpoint {
+        film.save(path)?;
+    }
+    if film.spp() == 0 {
+        return Err(Failure::run("interrupted before every pixel had a sample; nothing was written"));
+    }
+
+    let frame = film.develop();
+    let stats = stats(arguments, &frame, build_seconds, tracer.bvh_bytes());
+    let mut metadata = provenance();
+    metadata.extend(stats.as_object().into_iter().flatten().map(|(key, value)| (key.clone(), value.to_string())));
+    let picture = Picture { image: frame.beauty(), layers: layers(&frame), metadata, scene_exposure: scene.exposure };
+    picture.write(arguments, &output.to_path_buf())?;
+    if let Some(path) = &arguments.stats {
+        kajo_image::write_atomic(path, serde_json::to_string_pretty(&stats)?.as_bytes())?;
+    }
+    say(common, &frame, &stats, output)?;
+    if progress::interrupted() {
+        return Err(Failure::run(format!("interrupted at {} samples per pixel; {} holds what was rendered", frame.spp, output.display())));
+    }
+    Ok(())
+}
+
+fn settings(arguments: &Render, size: UVec2, camera: usize, aovs: Vec<Aov>) -> Settings {
+    let Tracing { max_depth, no_rr, seed, sampler, filter, .. } = arguments.tracing;
+    Settings {
+        size,
+        camera: CameraChoice::Index(camera),
+        integrator: arguments.integrator,
+        max_depth,
+        russian_roulette: if no_rr { RussianRoulette::Off } else { RussianRoulette::default() },
+        sampler: match sampler {
+            SamplerChoice::Sobol => SamplerKind::Sobol,
+            SamplerChoice::Independent => SamplerKind::Independent,
+            SamplerChoice::BlueNoise => {
+                SamplerKind::BlueNoise { log2_samples: stop(arguments).spp.unwrap_or(DEFAULT_SPP).next_power_of_two().ilog2() }
+            }
+        },
+        filter,
+        seed,
+        aovs,
+        ..Settings::default()
+    }
+}
+
+fn stop(arguments: &Render) -> Stop {
+    match (arguments.spp, arguments.time, arguments.noise) {
+        (_, Some(seconds), _) => Stop::at_time(Duration::from_secs_f64(seconds)),
+        (_, _, Some(noise)) => Stop::at_noise(noise as f32),
+        (spp, _, _) => Stop::at_spp(spp.unwrap_or(DEFAULT_SPP)),
+    }
+}
+
+/// The images of `--aov`; `all` is every one, with the bounces that are worth a layer.
+fn aovs(words: &[String], tracer: &Tracer, max_depth: u32) -> Outcome<Vec<Aov>> {
+    const MAX_BOUNCE_LAYERS: u32 = 8;
+    let mut aovs: Vec<Aov> = Vec::new();
+    for word in words.iter().map(|word| word.trim()).filter(|word| !word.is_empty() && *word != "beauty") {
+        if word == "all" {
+            aovs.extend(tracer.all_aovs(max_depth.min(MAX_BOUNCE_LAYERS)));
+        } else {
+            aovs.push(word.parse().map_err(|error: PathTracerError| Failure::Usage(error.into()))?);
+        }
+    }
+    let mut unique = Vec::new();
+    aovs.into_iter().for_each(|aov| if !unique.contains(&aov) { unique.push(aov) });
+    Ok(unique)
+}
+
+/// The film of `--resume`.
+fn resumed(arguments: &Render) -> Outcome<Option<Film>> {
+    let Some(path) = &arguments.checkpoint else { return Ok(None) };
+    match (arguments.resume, path.exists()) {
+        (true, true) => Ok(Some(Film::load(path)?)),
+        (true, false) => {
+            eprintln!("note: there is no checkpoint {} yet; rendering from the start", path.display());
+            Ok(None)
+        }
+        (false, true) => {
+            let path = path.display();
+            Err(Failure::run(format!("the checkpoint {path} exists already; add --resume to go on with it, or delete it to start anew")))
+        }
+        (false, false) => Ok(None),
+    }
+}
+
+fn in_pool<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) -> Outcome<T> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from)).build()?;
+    Ok(pool.install(work))
+}
+
+/// Shows progress, listens to Ctrl-C, and keeps the checkpoint fresh.
+struct Watch {
+    bar: ProgressBar,
+    checkpoint: Option<PathBuf>,
+    saved: Mutex<Instant>,
+}
+
+impl Watch {
+    fn new(common: &Common, checkpoint: Option<PathBuf>, output: &Path) -> Self {
+        let name = output.file_name().unwrap_or_default().to_string_lossy();
+        Self { bar: progress::bar(common.quiet, &name), checkpoint, saved: Mutex::new(Instant::now()) }
+    }
+}
+
+impl Control for Watch {
+    fn progress(&self, progress: &Progress) -> ControlFlow<()> {
+        self.bar.set_position((progress.fraction * 1000.0) as u64);
+        let error = progress.relative_standard_error.filter(|error| error.is_finite());
+        let error = error.map_or_else(String::new, |error| format!(", error {:.2} %", error * 100.0));
+        self.bar.set_message(format!("{} spp{error}", progress.spp));
+        if progress::interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn pass(&self, film: &Film) {
+        let Some(path) = &self.checkpoint else { return };
+        let mut saved = self.saved.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if saved.elapsed() < CHECKPOINT_EVERY {
+            return;
+        }
+        if let Err(error) = film.save(path) {
+            tracing::warn!("{error}");
+        }
+        *saved = Instant::now();
+    }
+}
+
+/// All images but the picture itself, each followed by its variance where that is known.
+fn layers(frame: &Frame) -> Vec<Layer> {
+    let of_image = |image: &kajo_path_tracer::FrameImage| {
+        let variance = image.variance.as_ref().map(|variance| variance.to_layer(&format!("{}.variance", image.name)));
+        let own = (image.name != "beauty").then(|| image.pixels.to_layer(&image.name));
+        own.into_iter().chain(variance)
+    };
+    frame.images.iter().flat_map(of_image).collect()
+}
+
+fn stats(arguments: &Render, frame: &Frame, build_seconds: f64, bvh_bytes: usize) -> Value {
+    let per_second = |count: u64| count as f64 / frame.seconds.max(1e-9);
+    let finite = |value: f32| if value.is_finite() { json!(value) } else { Value::Null };
+    json!({
+        "scene": arguments.scene,
+        "width": frame.size.x,
+        "height": frame.size.y,
+        "spp": frame.spp,
+        "max_depth": arguments.tracing.max_depth,
+        "seed": arguments.tracing.seed,
+        "samples": frame.samples,
+        "rays": frame.rays,
+        "render_seconds": frame.seconds,
+        "build_seconds": build_seconds,
+        "samples_per_s": per_second(frame.samples),
+        "rays_per_s": per_second(frame.rays),
+        "relative_standard_error": finite(frame.relative_standard_error),
+        "mean_luminance": frame.mean_luminance.0,
+        "mean_luminance_confidence_95": finite(frame.mean_luminance.1),
+        "invalid_samples": frame.invalid_samples,
+        "bvh_bytes": bvh_bytes,
+    })
+}
+
+fn say(common: &Common, frame: &Frame, stats: &Value, path: &Path) -> Outcome {
+    if frame.invalid_samples > 0 {
+        tracing::warn!("{} samples were not finite and count as black; please report this scene", frame.invalid_samples);
+    }
+    if common.json {
+        return output::json(stats);
+    }
+    if common.quiet {
+        return Ok(());
+    }
+    let noise = match frame.relative_standard_error {
+        error if error.is_finite() => format!("relative standard error {:.2} %", error * 100.0),
+        _ => "unknown standard error".into(),
+    };
+    let speed = frame.samples as f64 / frame.seconds.max(1e-9) / 1e6;
+    output::text(&format!("{}: {} spp in {:.1} s ({speed:.2} Msamples/s), {noise}\n", path.display(), frame.spp, frame.seconds))
+}

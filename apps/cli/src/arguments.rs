@@ -46,6 +46,9 @@ pub enum Command {
     Techniques {
         /// Technique id, e.g. shadow/map
         id: Option<String>,
+        /// The table of the README
+        #[arg(long, hide = true)]
+        markdown: bool,
     },
     /// Measure how an image differs from a reference
     Metrics(Metrics),

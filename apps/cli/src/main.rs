@@ -6,6 +6,7 @@ mod coverage;
 mod failure;
 mod output;
 mod progress;
+mod view;
 
 use clap::Parser;
 use std::process::ExitCode;
@@ -13,6 +14,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let arguments = arguments::Kajo::parse();
     output::start_log(arguments.common.quiet);
+    progress::watch_for_interrupt();
     match commands::run(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),

@@ -3,8 +3,8 @@
 use crate::arguments::View;
 use crate::failure::{Failure, Outcome};
 use glam::UVec2;
-use kajo_scene::{Environment, PlacedCamera, Projection, Scene, Snapshot, load, load_environment};
-use kajo_units::{LinearRgb, Radians, Seconds};
+use kajo_scene::{LoadOptions, PlacedCamera, Projection, Scene, SceneError, Snapshot, load};
+use kajo_units::Seconds;
 
 /// Rows of an image whose size was not asked for.
 const DEFAULT_ROWS: u32 = 720;
@@ -17,15 +17,11 @@ const DEFAULT_ASPECT: f32 = 16.0 / 9.0;
 /// # Errors
 /// What the importers report; an animation that does not exist is wrong usage.
 pub fn load_scene(reference: &str, view: &View) -> Outcome<Scene> {
-    let mut scene = load(reference).map_err(|error| match error {
-        kajo_scene::SceneError::UnknownBuiltin { .. } => Failure::Usage(error.into()),
+    let options = LoadOptions { environment: view.env.clone() };
+    let mut scene = load(reference, &options).map_err(|error| match error {
+        SceneError::UnknownBuiltin { .. } => Failure::Usage(error.into()),
         _ => error.into(),
     })?;
-    if let Some(path) = &view.env {
-        let loaded = load_environment(path)?;
-        scene.ignored.extend(loaded.ignored);
-        scene.environment = Some(Environment { image: Some(loaded.image), scale: LinearRgb::WHITE, rotation: Radians(0.0) });
-    }
     if let Some(word) = &view.animation {
         let names: Vec<&str> = scene.animations.iter().map(|animation| animation.name.as_str()).collect();
         scene.animation = choose("animation", word, &names)?;

@@ -4,6 +4,7 @@ mod bench_rays;
 mod coverage;
 mod devices;
 mod metrics;
+mod render;
 mod scenes;
 
 use crate::arguments::{Bench, Command, Kajo};
@@ -17,6 +18,7 @@ pub fn run(arguments: &Kajo) -> Outcome {
         Command::Coverage { status } => coverage::run(common, status.as_deref()),
         Command::Devices { plain } => devices::run(common, *plain),
         Command::Metrics(arguments) => metrics::run(common, arguments),
+        Command::Render(arguments) => render::run(common, arguments),
         Command::Scenes => scenes::run(common),
         _ => unreachable!(),
     }

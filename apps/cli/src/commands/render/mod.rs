@@ -17,7 +17,6 @@ pub fn run(common: &Common, arguments: &Render) -> Outcome {
     for (time, output) in frames(arguments) {
         match arguments.renderer {
             RendererChoice::Reference => reference::run(common, arguments, &scene, time, &output)?,
-            RendererChoice::Realtime => realtime::run(common, arguments, &scene, time, &output)?,
         }
     }
     Ok(())

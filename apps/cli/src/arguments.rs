@@ -282,12 +282,8 @@ const SAMPLERS: &[(&str, SamplerChoice)] =
     &[("sobol", SamplerChoice::Sobol), ("blue-noise", SamplerChoice::BlueNoise), ("independent", SamplerChoice::Independent)];
 
 /// Tone maps, by the name users write.
-const TONE_MAPS: &[(&str, ToneMap)] = &[
-    ("pbr-neutral", ToneMap::PbrNeutral),
-    ("agx", ToneMap::Agx),
-    ("aces", ToneMap::Aces),
-    ("linear", ToneMap::Linear),
-];
+const TONE_MAPS: &[(&str, ToneMap)] =
+    &[("pbr-neutral", ToneMap::PbrNeutral), ("agx", ToneMap::Agx), ("aces", ToneMap::Aces), ("linear", ToneMap::Linear)];
 
 /// Random number sequences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -48,9 +48,9 @@ fn check(arguments: &Render) -> Outcome {
 fn frames(arguments: &Render) -> Vec<(f64, PathBuf)> {
     match arguments.frames {
         None => vec![(arguments.view.frame, arguments.output.clone())],
-        Some(range) => (range.first..=range.last)
-            .map(|number| (f64::from(number) / arguments.fps, numbered(&arguments.output, number)))
-            .collect(),
+        Some(range) => {
+            (range.first..=range.last).map(|number| (f64::from(number) / arguments.fps, numbered(&arguments.output, number))).collect()
+        }
     }
 }
 

@@ -104,7 +104,11 @@ fn aovs(words: &[String], tracer: &Tracer, max_depth: u32) -> Outcome<Vec<Aov>> 
         }
     }
     let mut unique = Vec::new();
-    aovs.into_iter().for_each(|aov| if !unique.contains(&aov) { unique.push(aov) });
+    aovs.into_iter().for_each(|aov| {
+        if !unique.contains(&aov) {
+            unique.push(aov)
+        }
+    });
     Ok(unique)
 }
 

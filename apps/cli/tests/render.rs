@@ -1,0 +1,75 @@
+//! `kajo render` as a user types it.
+
+mod common;
+
+use common::{json, succeed};
+
+const SMALL: [&str; 4] = ["render", "builtin:cornell", "--size", "32x32"];
+
+fn render(folder: &std::path::Path, words: &[&str]) {
+    succeed(folder, &[&SMALL, words].concat());
+}
+
+fn identical(folder: &std::path::Path, a: &str, b: &str) -> bool {
+    json(folder, &["metrics", a, b])["identical"] == true
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    for threads in ["1", "2", "5"] {
+        render(folder.path(), &["--spp", "8", "--threads", threads, "-o", &format!("{threads}.exr")]);
+    }
+    assert!(identical(folder.path(), "1.exr", "2.exr") && identical(folder.path(), "1.exr", "5.exr"));
+    render(folder.path(), &["--spp", "8", "--seed", "1", "-o", "seed.exr"]);
+    assert!(!identical(folder.path(), "1.exr", "seed.exr"), "another seed is another image");
+}
+
+#[test]
+fn a_resumed_render_equals_an_uninterrupted_one() {
+    let folder = tempfile::tempdir().unwrap();
+    render(folder.path(), &["--spp", "8", "-o", "whole.exr"]);
+    render(folder.path(), &["--spp", "3", "-o", "part.exr", "--checkpoint", "c.ckpt"]);
+    assert!(!identical(folder.path(), "whole.exr", "part.exr"));
+    render(folder.path(), &["--spp", "8", "-o", "part.exr", "--checkpoint", "c.ckpt", "--resume"]);
+    assert!(identical(folder.path(), "whole.exr", "part.exr"));
+}
+
+#[test]
+fn statistics_have_the_keys_of_the_contract() {
+    let folder = tempfile::tempdir().unwrap();
+    render(folder.path(), &["--spp", "4", "-o", "a.png", "--stats", "s.json"]);
+    let stats: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(folder.path().join("s.json")).unwrap()).unwrap();
+    for key in ["render_seconds", "spp", "rays", "samples_per_s", "relative_standard_error"] {
+        assert!(stats[key].is_number(), "{key}: {stats}");
+    }
+    assert_eq!(stats["spp"], 4);
+}
+
+#[test]
+fn the_noise_level_is_reached() {
+    let folder = tempfile::tempdir().unwrap();
+    let stats = json(folder.path(), &[&SMALL[..], &["--noise", "0.3", "-o", "a.exr"]].concat());
+    assert!(stats["relative_standard_error"].as_f64().unwrap() <= 0.3, "{stats}");
+}
+
+#[test]
+fn a_sequence_is_numbered_and_moves() {
+    let folder = tempfile::tempdir().unwrap();
+    succeed(folder.path(), &["render", "builtin:moving", "--size", "32x18", "--spp", "2", "--frames", "0..2", "--fps", "2", "-o", "m.exr"]);
+    assert!(!identical(folder.path(), "m.0000.exr", "m.0001.exr"));
+    assert!(folder.path().join("m.0002.exr").exists() && !folder.path().join("m.exr").exists());
+}
+
+#[test]
+fn every_layer_is_in_one_file() {
+    let folder = tempfile::tempdir().unwrap();
+    render(folder.path(), &["--spp", "2", "-o", "a.exr", "--aov", "all"]);
+    let file = kajo_image::ExrFile::read(&folder.path().join("a.exr")).unwrap();
+    for layer in
+        ["", "direct", "indirect-diffuse", "albedo", "shading-normal", "depth", "instance-id", "motion", "beauty.variance", "bounce.1"]
+    {
+        assert!(file.layer(layer).is_some(), "no layer `{layer}`");
+    }
+    assert!(file.metadata["command"].contains("builtin:cornell"), "{:?}", file.metadata);
+}

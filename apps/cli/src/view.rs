@@ -3,8 +3,9 @@
 use crate::arguments::View;
 use crate::failure::{Failure, Outcome};
 use glam::UVec2;
-use kajo_scene::{LoadOptions, PlacedCamera, Projection, Scene, SceneError, Snapshot, load};
+use kajo_scene::{LoadOptions, PlacedCamera, Projection, Scene, SceneError, Snapshot};
 use kajo_units::Seconds;
+use std::path::Path;
 
 /// Rows of an image whose size was not asked for.
 const DEFAULT_ROWS: u32 = 720;
@@ -12,16 +13,24 @@ const DEFAULT_ROWS: u32 = 720;
 /// Shape of an image whose camera has none.
 const DEFAULT_ASPECT: f32 = 16.0 / 9.0;
 
-/// Loads the scene, puts the environment of `--env` in, and chooses the animation.
+/// Loads a scene; an environment file replaces its own.
 ///
 /// # Errors
-/// What the importers report; an animation that does not exist is wrong usage.
-pub fn load_scene(reference: &str, view: &View) -> Outcome<Scene> {
-    let options = LoadOptions { environment: view.env.clone() };
-    let mut scene = load(reference, &options).map_err(|error| match error {
+/// What the importers report; a built-in scene that does not exist is wrong usage.
+pub fn load(reference: &str, environment: Option<&Path>) -> Outcome<Scene> {
+    let options = LoadOptions { environment: environment.map(Path::to_path_buf) };
+    kajo_scene::load(reference, &options).map_err(|error| match error {
         SceneError::UnknownBuiltin { .. } => Failure::Usage(error.into()),
         _ => error.into(),
-    })?;
+    })
+}
+
+/// Loads the scene with the environment and the animation that were asked for.
+///
+/// # Errors
+/// Those of [`load`]; an animation that does not exist is wrong usage.
+pub fn load_scene(reference: &str, view: &View) -> Outcome<Scene> {
+    let mut scene = load(reference, view.env.as_deref())?;
     if let Some(word) = &view.animation {
         let names: Vec<&str> = scene.animations.iter().map(|animation| animation.name.as_str()).collect();
         scene.animation = choose("animation", word, &names)?;

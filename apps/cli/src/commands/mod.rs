@@ -3,6 +3,7 @@
 mod bench_rays;
 mod coverage;
 mod devices;
+mod info;
 mod metrics;
 mod render;
 mod scenes;
@@ -17,6 +18,7 @@ pub fn run(arguments: &Kajo) -> Outcome {
         Command::Bench(Bench::Rays(arguments)) => bench_rays::run(common, arguments),
         Command::Coverage { status } => coverage::run(common, status.as_deref()),
         Command::Devices { plain } => devices::run(common, *plain),
+        Command::Info(arguments) => info::run(common, arguments),
         Command::Metrics(arguments) => metrics::run(common, arguments),
         Command::Render(arguments) => render::run(common, arguments),
         Command::Scenes => scenes::run(common),

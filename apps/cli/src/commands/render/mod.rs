@@ -17,6 +17,7 @@ pub fn run(common: &Common, arguments: &Render) -> Outcome {
     for (time, output) in frames(arguments) {
         match arguments.renderer {
             RendererChoice::Reference => reference::run(common, arguments, &scene, time, &output)?,
+            RendererChoice::Realtime => return Err(Failure::run("the real-time renderer is not in this build")),
         }
     }
     Ok(())

@@ -41,18 +41,24 @@ impl Blas {
             .collect::<Result<Vec<_>, _>>()?;
         let options = BuildOptions { max_leaf_size: options.max_leaf_size.clamp(1, MAX_LEAF_BLOCKS * BLOCK_SIZE), ..*options };
         let binary = BinaryTree::build(items, &Cost { options, block: BLOCK_SIZE });
-        let mut blocks: Vec<Block> = Vec::with_capacity(indices.len() / 2);
+        // Which part of the order each block holds.
+        let mut parts: Vec<&[u32]> = Vec::with_capacity(indices.len() / 2);
         let tree = WideTree::collapse(&binary, |range| {
-            let first = blocks.len();
-            for numbers in binary.order[range].chunks(BLOCK_SIZE) {
+            let first = parts.len();
+            parts.extend(binary.order[range].chunks(BLOCK_SIZE));
+            Child::leaf(first, parts.len() - first)
+        });
+        let blocks = parts
+            .par_iter()
+            .with_min_len(1024)
+            .map(|numbers| {
                 let mut block = Block::EMPTY;
                 for (lane, &number) in numbers.iter().enumerate() {
                     block.set(lane, number, triangle(number as usize));
                 }
-                blocks.push(block);
-            }
-            Child::leaf(first, blocks.len() - first)
-        });
+                block
+            })
+            .collect();
         Ok(Self { tree, blocks, triangles: indices.len() })
     }
 

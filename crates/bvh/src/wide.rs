@@ -120,8 +120,7 @@ impl WideTree {
         let mut nodes = vec![Node::EMPTY];
         let mut waiting = vec![(0usize, 0usize)];
         while let Some((binary, wide)) = waiting.pop() {
-            let children = open(tree, &tree.nodes[binary]);
-            for (slot, &child) in children.iter().enumerate() {
+            for (slot, &child) in Opened::of(tree, &tree.nodes[binary]).children().iter().enumerate() {
                 let node = &tree.nodes[child];
                 let reference = match node.leaf() {
                     Some(range) => leaf(range),
@@ -143,20 +142,42 @@ impl WideTree {
     }
 }
 
-/// Up to eight descendants that replace the two children of `parent`.
-fn open(tree: &BinaryTree, parent: &BinaryNode) -> Vec<usize> {
-    let mut children = parent.children().to_vec();
-    while children.len() < WIDTH {
-        let widest = (0..children.len()).filter(|&i| tree.nodes[children[i]].leaf().is_none()).max_by(|&i, &j| {
-            let area = |k: usize| tree.nodes[children[k]].bounds().half_area();
-            area(i).total_cmp(&area(j)).then(j.cmp(&i))
-        });
-        let Some(widest) = widest else { break };
-        let [left, right] = tree.nodes[children[widest]].children();
-        children[widest] = left;
-        children.insert(widest + 1, right);
+/// The descendants, at most eight, that replace the two children of a node.
+struct Opened {
+    children: [usize; WIDTH],
+    /// Surface of each, m²; −1 for a leaf, which cannot be opened.
+    areas: [f32; WIDTH],
+    count: usize,
+}
+
+impl Opened {
+    fn of(tree: &BinaryTree, parent: &BinaryNode) -> Self {
+        let mut opened = Self { children: [0; WIDTH], areas: [-1.0; WIDTH], count: 2 };
+        let [left, right] = parent.children();
+        opened.place(tree, 0, left);
+        opened.place(tree, 1, right);
+        while opened.count < WIDTH {
+            let widest = (1..opened.count).fold(0, |widest, i| if opened.areas[i] > opened.areas[widest] { i } else { widest });
+            if opened.areas[widest] < 0.0 {
+                break;
+            }
+            let [left, right] = tree.nodes[opened.children[widest]].children();
+            opened.place(tree, widest, left);
+            opened.place(tree, opened.count, right);
+            opened.count += 1;
+        }
+        opened
     }
-    children
+
+    fn place(&mut self, tree: &BinaryTree, slot: usize, child: usize) {
+        let node = &tree.nodes[child];
+        self.children[slot] = child;
+        self.areas[slot] = if node.leaf().is_none() { node.bounds().half_area() } else { -1.0 };
+    }
+
+    fn children(&self) -> &[usize] {
+        &self.children[..self.count]
+    }
 }
 
 #[cfg(test)]

@@ -1,116 +1,131 @@
 //! Binned surface area heuristic, [Wald07].
 
-use super::tree::{Bounds, Cost, Item, half_area};
-use glam::{UVec4, Vec4};
+use super::tree::{Bounds, Cost, Item, Split, half_area};
+use glam::Vec4;
 
 /// Greatest number of bins an axis.
 const MAX_BINS: usize = 32;
 
-/// What falls into a bin.
+/// Box around what falls into a bin.
 #[derive(Clone, Copy)]
 struct Bin {
     min: Vec4,
     max: Vec4,
-    count: u32,
 }
 
 impl Bin {
-    const EMPTY: Self = Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY, count: 0 };
+    const EMPTY: Self = Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY };
 
     #[inline(always)]
-    fn add(&mut self, item: &Item) {
-        self.min = self.min.min(item.min());
-        self.max = self.max.max(item.max());
-        self.count += 1;
+    fn add(&mut self, min: Vec4, max: Vec4) {
+        self.min = self.min.min(min);
+        self.max = self.max.max(max);
     }
 
-    fn merge(&mut self, other: &Self) {
-        self.min = self.min.min(other.min);
-        self.max = self.max.max(other.max);
-        self.count += other.count;
-    }
-
-    fn weighted(&self, cost: &Cost) -> f32 {
-        if self.count == 0 { 0.0 } else { half_area(self.min, self.max) * cost.blocks(self.count as usize) }
+    /// Area times tests; 0 without items.
+    #[inline(always)]
+    fn weighted(&self, count: u32, cost: &Cost) -> f32 {
+        if count == 0 { 0.0 } else { half_area(self.min, self.max) * cost.blocks(count as usize) }
     }
 }
 
 /// A way to divide the items: bins below `bin` on `axis` go left.
 pub struct Plane {
     axis: usize,
-    bin: u32,
+    bin: usize,
     /// Σ area · tests of both sides.
     pub cost: f32,
 }
 
-/// Items counted by the bin of their centre, on each axis.
+/// Items counted by the bin of their centre, on each axis. Kept and filled again for every node.
 pub struct Bins {
     count: usize,
     origin: Vec4,
     scale: Vec4,
-    bins: [[Bin; MAX_BINS]; 3],
+    boxes: [[Bin; 3]; MAX_BINS],
+    counts: [[u32; 3]; MAX_BINS],
 }
 
 impl Bins {
-    pub fn of(items: &[Item], bounds: &Bounds, bins: usize) -> Self {
-        let count = bins.clamp(2, MAX_BINS);
+    pub fn new() -> Self {
+        Self { count: 0, origin: Vec4::ZERO, scale: Vec4::ZERO, boxes: [[Bin::EMPTY; 3]; MAX_BINS], counts: [[0; 3]; MAX_BINS] }
+    }
+
+    /// Counts items. Few items get few bins, at most `limit`.
+    pub fn fill(&mut self, items: &[Item], bounds: &Bounds, limit: usize) {
+        self.count = (4 + items.len() / 16).min(limit.clamp(2, MAX_BINS));
         let extent = bounds.center_max - bounds.center_min;
         // An axis without extent gets scale 0: everything falls into bin 0 and no plane divides it.
-        let scale = Vec4::select(extent.cmpgt(Vec4::ZERO), Vec4::splat(count as f32 * 0.999) / extent, Vec4::ZERO);
-        let scale = Vec4::select(scale.cmplt(Vec4::INFINITY), scale, Vec4::ZERO);
-        let mut out = Self { count, origin: bounds.center_min, scale, bins: [[Bin::EMPTY; MAX_BINS]; 3] };
+        let scale = Vec4::select(extent.cmpgt(Vec4::ZERO), Vec4::splat(self.count as f32 * 0.999) / extent, Vec4::ZERO);
+        self.scale = Vec4::select(scale.cmplt(Vec4::INFINITY), scale, Vec4::ZERO);
+        self.origin = bounds.center_min;
+        self.boxes[..self.count].fill([Bin::EMPTY; 3]);
+        self.counts[..self.count].fill([0; 3]);
         for item in items {
-            let index = out.index(item);
+            let index = self.index(item);
+            let (min, max) = (item.min(), item.max());
             for axis in 0..3 {
-                out.bins[axis][index[axis] as usize].add(item);
+                let bin = index[axis];
+                self.boxes[bin][axis].add(min, max);
+                self.counts[bin][axis] += 1;
             }
         }
-        out
     }
 
     /// Bin of an item on each axis.
     #[inline(always)]
-    fn index(&self, item: &Item) -> UVec4 {
-        ((item.center2() - self.origin) * self.scale).as_uvec4().min(UVec4::splat(self.count as u32 - 1))
+    fn index(&self, item: &Item) -> [usize; 3] {
+        let place = (item.center2() - self.origin) * self.scale;
+        // The greatest place is 0.999 · count and its rounding: below count, which is at most 32.
+        place.to_array().first_chunk::<3>().expect("four lanes").map(|x| x as u8 as usize & (MAX_BINS - 1))
     }
 
     /// The cheapest plane with items on both sides; the first of equals.
     pub fn best_plane(&self, cost: &Cost) -> Option<Plane> {
-        let mut best: Option<Plane> = None;
-        for (axis, bins) in self.bins.iter().enumerate() {
-            let mut right_cost = [0.0; MAX_BINS];
-            let mut right = Bin::EMPTY;
-            for i in (1..self.count).rev() {
-                right.merge(&bins[i]);
-                right_cost[i] = if right.count == 0 { f32::INFINITY } else { right.weighted(cost) };
-            }
-            let mut left = Bin::EMPTY;
-            for i in 1..self.count {
-                left.merge(&bins[i - 1]);
-                if left.count == 0 {
-                    continue;
-                }
-                let total = left.weighted(cost) + right_cost[i];
-                if total.is_finite() && best.as_ref().is_none_or(|b| total < b.cost) {
-                    best = Some(Plane { axis, bin: i as u32, cost: total });
+        let mut right_cost = [[f32::INFINITY; 3]; MAX_BINS];
+        let (mut boxes, mut counts) = ([Bin::EMPTY; 3], [0; 3]);
+        for bin in (1..self.count).rev() {
+            for axis in 0..3 {
+                let here = &self.boxes[bin][axis];
+                boxes[axis].add(here.min, here.max);
+                counts[axis] += self.counts[bin][axis];
+                if counts[axis] > 0 {
+                    right_cost[bin][axis] = boxes[axis].weighted(counts[axis], cost);
                 }
             }
         }
-        best
+        let mut best = Plane { axis: 0, bin: 0, cost: f32::INFINITY };
+        (boxes, counts) = ([Bin::EMPTY; 3], [0; 3]);
+        for bin in 1..self.count {
+            for axis in 0..3 {
+                let here = &self.boxes[bin - 1][axis];
+                boxes[axis].add(here.min, here.max);
+                counts[axis] += self.counts[bin - 1][axis];
+                let total = boxes[axis].weighted(counts[axis], cost) + right_cost[bin][axis];
+                if counts[axis] > 0 && total < best.cost {
+                    best = Plane { axis, bin, cost: total };
+                }
+            }
+        }
+        (best.bin > 0).then_some(best)
     }
 
-    /// Moves the items left of the plane to the front and returns their number. The order depends on the items alone.
-    pub fn partition(&self, items: &mut [Item], plane: &Plane) -> usize {
-        let mut left = 0;
-        let mut right = items.len();
-        while left < right {
-            if self.index(&items[left])[plane.axis] < plane.bin {
-                left += 1;
+    /// Moves the items left of the plane to the front. The order depends on the items alone.
+    pub fn partition(&self, items: &mut [Item], plane: &Plane) -> Split {
+        let (mut left, mut right) = (Bounds::EMPTY, Bounds::EMPTY);
+        let mut middle = 0;
+        let mut end = items.len();
+        while middle < end {
+            let item = items[middle];
+            if self.index(&item)[plane.axis] < plane.bin {
+                left.add(&item);
+                middle += 1;
             } else {
-                right -= 1;
-                items.swap(left, right);
+                right.add(&item);
+                end -= 1;
+                items.swap(middle, end);
             }
         }
-        left
+        Split { middle, left, right }
     }
 }

@@ -5,10 +5,13 @@ use crate::{aabb::Aabb, stack::MAX_DEPTH};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 use std::ops::Range;
 
-/// A primitive to build over: its box and its number.
+/// Set in a number's bits, so that as a float it is neither tiny (slow arithmetic) nor NaN.
+const NORMAL: u32 = 0x4000_0000;
+
+/// A primitive to build over: its box and its number, below 2²⁸.
 #[derive(Clone, Copy, Debug)]
 pub struct Item {
-    /// Least corner; the last lane holds the number's bits.
+    /// Least corner; the last lane holds the number's bits and [`NORMAL`].
     min: Vec4,
     /// Greatest corner.
     max: Vec4,
@@ -16,11 +19,11 @@ pub struct Item {
 
 impl Item {
     pub fn new(bounds: &Aabb, number: u32) -> Self {
-        Self { min: bounds.min.extend(f32::from_bits(number)), max: bounds.max.extend(0.0) }
+        Self { min: bounds.min.extend(f32::from_bits(number | NORMAL)), max: bounds.max.extend(0.0) }
     }
 
     pub fn number(&self) -> u32 {
-        self.min.w.to_bits()
+        self.min.w.to_bits() & !NORMAL
     }
 
     /// Twice the centre of the box; the last lane means nothing.
@@ -106,7 +109,7 @@ impl BinaryTree {
         }
         let mut nodes = vec![BinaryNode::UNUSED; 2 * items.len() - 1];
         let bounds = Bounds::of(&items);
-        build(Task { items: &mut items, nodes: &mut nodes, first_item: 0, first_node: 0, depth: 0 }, bounds, cost);
+        build(Task { items: &mut items, nodes: &mut nodes, first_item: 0, first_node: 0, depth: 0 }, bounds, cost, &mut Bins::new());
         Self { nodes, order: items.iter().map(Item::number).collect() }
     }
 }
@@ -121,18 +124,24 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    const EMPTY: Self = Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY, center_min: Vec4::INFINITY, center_max: Vec4::NEG_INFINITY };
+    pub const EMPTY: Self =
+        Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY, center_min: Vec4::INFINITY, center_max: Vec4::NEG_INFINITY };
 
     fn of(items: &[Item]) -> Self {
-        items.iter().fold(Self::EMPTY, |b, item| {
-            let center = item.center2();
-            Self {
-                min: b.min.min(item.min),
-                max: b.max.max(item.max),
-                center_min: b.center_min.min(center),
-                center_max: b.center_max.max(center),
-            }
-        })
+        let mut bounds = Self::EMPTY;
+        for item in items {
+            bounds.add(item);
+        }
+        bounds
+    }
+
+    #[inline(always)]
+    pub fn add(&mut self, item: &Item) {
+        let center = item.center2();
+        self.min = self.min.min(item.min);
+        self.max = self.max.max(item.max);
+        self.center_min = self.center_min.min(center);
+        self.center_max = self.center_max.max(center);
     }
 
     pub fn half_area(&self) -> f32 {
@@ -156,12 +165,12 @@ struct Task<'a> {
     depth: usize,
 }
 
-fn build(task: Task, bounds: Bounds, cost: &Cost) {
+fn build(task: Task, bounds: Bounds, cost: &Cost, bins: &mut Bins) {
     let Task { items, nodes, first_item, first_node, depth } = task;
     let count = items.len();
     let (min, max) = (bounds.min.xyz(), bounds.max.xyz());
     let (node, nodes) = nodes.split_first_mut().expect("a place for every node");
-    let Some(middle) = split(items, &bounds, depth, cost) else {
+    let Some(Split { middle, left: left_bounds, right: right_bounds }) = split(items, &bounds, depth, cost, bins) else {
         *node = BinaryNode { min, max, first: first_item as u32, count: count as u32, left: 0, right: 0 };
         return;
     };
@@ -171,20 +180,23 @@ fn build(task: Task, bounds: Bounds, cost: &Cost) {
     let (left_nodes, right_nodes) = nodes.split_at_mut(2 * middle - 1);
     let left = Task { items: left, nodes: left_nodes, first_item, first_node: left_first, depth: depth + 1 };
     let right = Task { items: right, nodes: right_nodes, first_item: first_item + middle, first_node: right_first, depth: depth + 1 };
-    let run = |task: Task| {
-        let bounds = Bounds::of(task.items);
-        build(task, bounds, cost)
-    };
     if count >= PARALLEL_ITEMS {
-        rayon::join(|| run(left), || run(right));
+        rayon::join(|| build(left, left_bounds, cost, bins), || build(right, right_bounds, cost, &mut Bins::new()));
     } else {
-        run(left);
-        run(right);
+        build(left, left_bounds, cost, bins);
+        build(right, right_bounds, cost, bins);
     }
 }
 
-/// Reorders items so that the first part goes left and returns its length; `None` makes a leaf.
-fn split(items: &mut [Item], bounds: &Bounds, depth: usize, cost: &Cost) -> Option<usize> {
+/// Where a list of items was divided, and the bounds of both parts.
+pub struct Split {
+    pub middle: usize,
+    pub left: Bounds,
+    pub right: Bounds,
+}
+
+/// Reorders items so that the first part goes left; `None` makes a leaf.
+fn split(items: &mut [Item], bounds: &Bounds, depth: usize, cost: &Cost, bins: &mut Bins) -> Option<Split> {
     let count = items.len();
     if count == 1 {
         return None;
@@ -193,27 +205,21 @@ fn split(items: &mut [Item], bounds: &Bounds, depth: usize, cost: &Cost) -> Opti
     if depth >= BALANCE_DEPTH {
         return must_split.then(|| halve(items, bounds));
     }
-    let bins = Bins::of(items, bounds, cost.options.bins);
-    let best = bins.best_plane(cost);
+    bins.fill(items, bounds, cost.options.bins);
     let area = bounds.half_area();
     let leaf_cost = area * cost.blocks(count);
-    match best {
+    match bins.best_plane(cost) {
         Some(plane) if must_split || area * cost.options.node_cost + plane.cost < leaf_cost => Some(bins.partition(items, &plane)),
         _ => must_split.then(|| halve(items, bounds)),
     }
 }
 
 /// Splits at the median of the longest axis of the centres; equal centres by number.
-fn halve(items: &mut [Item], bounds: &Bounds) -> usize {
+fn halve(items: &mut [Item], bounds: &Bounds) -> Split {
     let extent = (bounds.center_max - bounds.center_min).xyz();
-    let axis = if extent.x >= extent.y && extent.x >= extent.z {
-        0
-    } else if extent.y >= extent.z {
-        1
-    } else {
-        2
-    };
+    let axis = extent.max_position();
     let middle = items.len() / 2;
     items.select_nth_unstable_by(middle, |a, b| a.center2()[axis].total_cmp(&b.center2()[axis]).then(a.number().cmp(&b.number())));
-    middle
+    let (left, right) = items.split_at(middle);
+    Split { middle, left: Bounds::of(left), right: Bounds::of(right) }
 }

@@ -17,6 +17,9 @@ fn main() -> io::Result<()> {
     let ggx = quadrature::make_ggx_albedo(SAMPLES);
     write("ggx_albedo_average.bin", quadrature::make_ggx_albedo_average(&ggx).into_iter().flatten())?;
     write("ggx_albedo.bin", ggx.into_iter().flatten())?;
+    let aniso = quadrature::make_ggx_aniso_albedo(SAMPLES / 2);
+    write("ggx_aniso_albedo_average.bin", quadrature::make_ggx_aniso_albedo_average(&aniso, 64))?;
+    write("ggx_aniso_albedo.bin", aniso)?;
     write("sheen_albedo.bin", quadrature::make_sheen_albedo(256))?;
     write("ggx_hat_albedo.bin", quadrature::make_ggx_hat_albedo(SAMPLES))?;
     write("glass_albedo.bin", quadrature::make_glass_albedo(SAMPLES))

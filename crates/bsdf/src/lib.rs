@@ -3,6 +3,7 @@
 //! Directions are in the local shading frame (z is the normal), `wo` points to the viewer and `wi` to the light; see
 //! `docs/conventions.md`.
 
+mod classic;
 mod fresnel;
 mod layered;
 mod material;
@@ -12,6 +13,7 @@ pub mod tables;
 mod thin_film;
 mod vector;
 
+pub use classic::{blinn_phong, lambert, phong, phong_lobe};
 pub use fresnel::{
     f0_from_ior, fresnel_conductor, fresnel_dielectric, fresnel_schlick, fresnel_schlick_average, ior_from_f0, schlick_weight,
 };

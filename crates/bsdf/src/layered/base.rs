@@ -3,12 +3,16 @@
 use super::film::FilmFresnel;
 use super::{mean, unit, unit3};
 use crate::microfacet::{
-    GgxAlbedo, MIN_ALPHA, ggx_albedo, ggx_albedo_average, ggx_d_aniso, ggx_multiple_scattering_color, ggx_sample_vndf,
-    ggx_visibility_aniso, ggx_vndf_pdf,
+    GgxAlbedo, MIN_ALPHA, alpha_of_albedo, ggx_albedo, ggx_albedo_aniso, ggx_albedo_aniso_average, ggx_d_aniso,
+    ggx_multiple_scattering_color, ggx_sample_vndf, ggx_visibility_aniso, ggx_vndf_pdf, glass_albedo,
 };
+use crate::tables::quadrature;
 use crate::{MaterialParams, f0_from_ior, fresnel_schlick, reflect, schlick_weight};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
+
+/// Points of the quadratures that stand in for tables of anisotropic dielectrics, which would have five dimensions.
+const ANISOTROPIC_POINTS: u32 = 64;
 
 /// Width and orientation of the facets.
 #[derive(Clone, Copy, Debug)]
@@ -16,8 +20,6 @@ pub(super) struct Facets {
     pub alpha: Vec2,
     /// Cosine and sine of the rotation of α_x from the tangent; `None` for isotropic facets.
     rotation: Option<Vec2>,
-    /// Width by which the tables are read.
-    pub energy_alpha: f32,
     pub is_delta: bool,
 }
 
@@ -40,8 +42,8 @@ impl Facets {
         let wide = alpha + (1.0 - alpha) * strength * strength;
         let is_delta = wide < MIN_ALPHA;
         let alpha = Vec2::new(wide, alpha).max(Vec2::splat(MIN_ALPHA));
-        let rotation = (strength > 0.0).then(|| Vec2::from_angle(params.anisotropy_rotation.0));
-        Self { alpha, rotation: rotation.filter(|r| r.is_finite()), energy_alpha: (alpha.x * alpha.y).sqrt(), is_delta }
+        let rotation = (alpha.x > alpha.y).then(|| Vec2::from_angle(params.anisotropy_rotation.0));
+        Self { alpha, rotation: rotation.filter(|r| r.is_finite()), is_delta }
     }
 
     /// From the shading frame to the frame of the facets.
@@ -61,17 +63,66 @@ impl Facets {
         self.to_shading(ggx_sample_vndf(self.alpha, self.to_facets(wo), u))
     }
 
-    /// White albedo of single scattering, E and Ē.
-    fn albedo(self, cos_theta: f32) -> GgxAlbedo {
+    /// Albedo E of single scattering seen from `v`.
+    #[inline]
+    pub fn albedo(self, v: Vec3) -> GgxAlbedo {
         if self.is_delta {
-            let w = schlick_weight(cos_theta);
+            let w = schlick_weight(v.z);
             return GgxAlbedo { f0: 1.0 - w, f90: w };
         }
-        ggx_albedo(self.energy_alpha, cos_theta)
+        match self.rotation {
+            None => ggx_albedo(self.alpha.x, v.z),
+            Some(_) => ggx_albedo_aniso(self.alpha, self.to_facets(v)),
+        }
     }
 
+    /// [`Facets::albedo`] whose split into f0 and f90 is right for anisotropic facets too, by a small quadrature.
+    #[inline]
+    pub fn dielectric_albedo(self, v: Vec3, e: GgxAlbedo) -> GgxAlbedo {
+        if self.is_delta || self.rotation.is_none() {
+            return e;
+        }
+        let [f0, f90] = quadrature::ggx_albedo(self.to_facets(v), self.alpha, ANISOTROPIC_POINTS);
+        let scale = e.white() / (f0 + f90).max(1e-3);
+        GgxAlbedo { f0: f0 * scale, f90: f90 * scale }
+    }
+
+    /// Mean over the cosine-weighted hemisphere of [`Facets::dielectric_albedo`].
+    fn dielectric_albedo_average(self) -> GgxAlbedo {
+        let average = self.albedo_average();
+        if self.is_delta || self.rotation.is_none() {
+            return average;
+        }
+        // Three Gauss points in cos² θ, which is uniform there, times two azimuths in the quadrant.
+        let (mut f90, mut white) = (0.0, 0.0);
+        for (x, weight) in [(0.112_702, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298, 5.0 / 18.0)] {
+            for phi in [0.331_9, 1.238_9] {
+                let v = quadrature::direction(f32::sqrt(x), phi);
+                let [a, b] = quadrature::ggx_albedo(v, self.alpha, ANISOTROPIC_POINTS);
+                white += 0.5 * weight * (a + b);
+                f90 += 0.5 * weight * b;
+            }
+        }
+        let f90 = f90 * average.white() / white.max(1e-3);
+        GgxAlbedo { f0: average.white() - f90, f90 }
+    }
+
+    /// Share of light that glass with these facets reflects or transmits.
+    pub fn glass_albedo(self, v: Vec3, eta: f32) -> f32 {
+        match self.rotation {
+            None => glass_albedo(self.alpha.x, v.z, eta),
+            Some(_) => quadrature::glass_albedo(self.to_facets(v), self.alpha, eta, 2 * ANISOTROPIC_POINTS),
+        }
+    }
+
+    /// Ē.
     fn albedo_average(self) -> GgxAlbedo {
-        if self.is_delta { GgxAlbedo { f0: 20.0 / 21.0, f90: 1.0 / 21.0 } } else { ggx_albedo_average(self.energy_alpha) }
+        if self.is_delta { GgxAlbedo { f0: 20.0 / 21.0, f90: 1.0 / 21.0 } } else { ggx_albedo_aniso_average(self.alpha) }
+    }
+
+    /// Width by which tables that only know isotropic facets are read.
+    pub fn isotropic_alpha(self, v: Vec3) -> f32 {
+        if self.rotation.is_none() { self.alpha.x } else { alpha_of_albedo(self.albedo(v).white(), v.z) }
     }
 
     /// `None` for delta facets.
@@ -120,7 +171,7 @@ impl Base {
         let opaque = (1.0 - metallic) * (1.0 - unit(params.transmission));
         let color = unit3(params.base_color.0);
         let (dielectric_f0, dielectric_f90) = dielectric_reflectances(params);
-        let average = facets.albedo_average();
+        let average = if opaque > 0.0 { facets.dielectric_albedo_average() } else { facets.albedo_average() };
         let film = FilmFresnel::new(params, color, dielectric_f0, dielectric_f90, metallic, opaque);
         let white = average.white();
         let (f0, f90) = (metallic * color + opaque * dielectric_f0, Vec3::splat(metallic) + opaque * dielectric_f90);
@@ -135,7 +186,7 @@ impl Base {
         };
         let layer_average = match &film {
             None => layer_f0 * average.f0 + layer_f90 * average.f90 + layer_ms * (1.0 - white),
-            Some(film) => film.layer_average(facets.energy_alpha) + layer_ms * (1.0 - white),
+            Some(film) => film.layer_average(facets) + layer_ms * (1.0 - white),
         };
         let diffuse_albedo = opaque * color;
         Self {
@@ -173,12 +224,15 @@ impl Base {
 
     /// Albedo of single-scattering reflection, and of the whole layer above the diffuse lobe.
     #[inline]
-    fn albedos(&self, cos_theta: f32, e: GgxAlbedo) -> (Vec3, f32) {
+    fn albedos(&self, v: Vec3, e: GgxAlbedo) -> (Vec3, f32) {
         let ms = self.layer_ms * (1.0 - e.white());
         match &self.film {
-            None => (e.with(self.f0, self.f90), self.layer_f0 * e.f0 + self.layer_f90 * e.f90 + ms),
+            None => {
+                let e = if self.diffuse_albedo == Vec3::ZERO { e } else { self.facets.dielectric_albedo(v, e) };
+                (e.with(self.f0, self.f90), self.layer_f0 * e.f0 + self.layer_f90 * e.f90 + ms)
+            }
             Some(film) => {
-                let (specular, layer) = film.albedos(self.facets, cos_theta);
+                let (specular, layer) = film.albedos(self.facets, v, e);
                 (specular, layer + ms)
             }
         }
@@ -209,8 +263,8 @@ pub(super) struct BaseView {
 impl BaseView {
     #[inline]
     pub fn new(base: &Base, wo: Vec3) -> Self {
-        let e = base.facets.albedo(wo.z);
-        let (specular_albedo, layer) = base.albedos(wo.z, e);
+        let e = base.facets.albedo(wo);
+        let (specular_albedo, layer) = base.albedos(wo, e);
         let (lost, below) = ((1.0 - e.white()).max(0.0), (1.0 - layer).max(0.0));
         Self {
             wo,
@@ -230,10 +284,10 @@ impl BaseView {
     /// Diffuse and specular f cos θi of a direction above the surface.
     #[inline]
     pub fn eval(&self, base: &Base, wi: Vec3, facets: Option<&FacetPair>) -> (Vec3, Vec3) {
-        let e = base.facets.albedo(wi.z);
+        let e = base.facets.albedo(wi);
         let mut diffuse = Vec3::ZERO;
         if base.diffuse_albedo != Vec3::ZERO {
-            let layer = base.albedos(wi.z, e).1;
+            let layer = base.albedos(wi, e).1;
             diffuse = base.diffuse_scale * (self.below * (1.0 - layer).max(0.0) * wi.z);
         }
         let mut specular = base.ms * (base.ms_scale * self.lost * (1.0 - e.white()).max(0.0) * wi.z);

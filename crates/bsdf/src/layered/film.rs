@@ -5,6 +5,7 @@
 
 use super::base::Facets;
 use super::unit;
+use crate::microfacet::GgxAlbedo;
 use crate::tables::{GGX_HAT_ALBEDO, HAT_AXIS_NODES, HAT_NODES, place};
 use crate::{MaterialParams, fresnel_schlick, fresnel_thin_film};
 use glam::Vec3;
@@ -69,30 +70,33 @@ impl FilmFresnel {
         self.sum[k].lerp(self.sum[k + 1], t)
     }
 
-    /// Albedo of the reflection, and of the layer above the diffuse lobe.
-    pub fn albedos(&self, facets: Facets, cos_theta: f32) -> (Vec3, f32) {
+    /// Albedo of the reflection seen from `v`, and of the layer above the diffuse lobe; `e` is that of white facets.
+    pub fn albedos(&self, facets: Facets, v: Vec3, e: GgxAlbedo) -> (Vec3, f32) {
         if facets.is_delta {
-            let (k, t) = place(cos_theta, HAT_NODES);
-            return (self.at(cos_theta), self.layer[k] + t * (self.layer[k + 1] - self.layer[k]));
+            let (k, t) = place(v.z, HAT_NODES);
+            return (self.at(v.z), self.layer[k] + t * (self.layer[k + 1] - self.layer[k]));
         }
-        let weights = hat_albedos(facets.energy_alpha, cos_theta);
+        let weights = hat_albedos(facets.isotropic_alpha(v), v.z);
+        // The finer table knows the sum better.
+        let scale = e.white() / weights.iter().sum::<f32>().max(1e-3);
         let (mut sum, mut layer) = (Vec3::ZERO, 0.0);
         for (weight, (f, l)) in weights.iter().zip(self.sum.iter().zip(&self.layer)) {
             sum += weight * *f;
             layer += weight * l;
         }
-        (sum, layer)
+        (sum * scale, layer * scale)
     }
 
     /// Cosine-weighted mean over directions of the layer's albedo.
-    pub fn layer_average(&self, alpha: f32) -> f32 {
-        // The integrand is linear in √cos between nodes; 64 midpoints integrate it to 1e-4.
-        const STEPS: usize = 64;
+    pub fn layer_average(&self, facets: Facets) -> f32 {
+        // Midpoints in cos²; along the diagonal of anisotropic facets, which have the mean of both axes there.
+        const STEPS: usize = 48;
         (0..STEPS)
             .map(|s| {
-                let c = (s as f32 + 0.5) / STEPS as f32;
-                let weights = hat_albedos(alpha, c);
-                (0..HAT_NODES).map(|k| weights[k] * self.layer[k]).sum::<f32>() * 2.0 * c / STEPS as f32
+                let c = ((s as f32 + 0.5) / STEPS as f32).sqrt();
+                let r = ((1.0 - c * c) * 0.5).sqrt();
+                let v = Vec3::new(r, r, c);
+                self.albedos(facets, v, facets.albedo(v)).1 / STEPS as f32
             })
             .sum()
     }

@@ -5,7 +5,7 @@
 
 use super::base::{FacetPair, Facets, dielectric_reflectances};
 use super::{mean, unit, unit3};
-use crate::microfacet::{ggx_albedo, ggx_d_aniso, ggx_g2_aniso, ggx_vndf_pdf, glass_albedo};
+use crate::microfacet::{ggx_d_aniso, ggx_g2_aniso, ggx_vndf_pdf};
 use crate::{MaterialParams, f0_from_ior, fresnel_dielectric, reflect, refract};
 use glam::{Vec2, Vec3};
 
@@ -101,11 +101,11 @@ impl GlassView {
         let albedo = if glass.is_delta() {
             Vec3::ONE
         } else if glass.thin {
-            Vec3::splat(ggx_albedo(glass.facets.energy_alpha, wo.z).white())
+            Vec3::splat(glass.facets.albedo(wo).white())
         } else if glass.dispersive {
-            Vec3::from_array(etas.to_array().map(|eta| glass_albedo(glass.facets.energy_alpha, wo.z, eta)))
+            Vec3::from_array(etas.to_array().map(|eta| glass.facets.glass_albedo(wo, eta)))
         } else {
-            Vec3::splat(glass_albedo(glass.facets.energy_alpha, wo.z, etas.y))
+            Vec3::splat(glass.facets.glass_albedo(wo, etas.y))
         };
         Self { wo, etas, scale: glass.weight / albedo.max(Vec3::splat(0.05)) }
     }

@@ -1,7 +1,7 @@
 //! The integrals behind the tables, by quasi-Monte Carlo over visible normals.
 
 use super::*;
-use crate::microfacet::{ggx_g1_aniso, ggx_g2_aniso, ggx_sample_vndf};
+use crate::microfacet::{aniso_white_albedo, ggx_g1_aniso, ggx_g2_aniso, ggx_sample_vndf};
 use crate::{SHEEN_MIN_ALPHA, fresnel_dielectric, reflect, refract, schlick_weight, sheen_d, sheen_visibility};
 use glam::{Vec2, Vec3};
 use kajo_sampling::sobol_2d;
@@ -9,9 +9,11 @@ use kajo_sampling::sobol_2d;
 /// The narrowest lobe that is integrated; narrower ones do not differ in albedo.
 const ALPHA_FLOOR: f32 = 1e-4;
 
-fn direction(cos_theta: f32) -> Vec3 {
+/// The direction at these spherical coordinates; exactly grazing ones are lifted to where an albedo exists.
+pub fn direction(cos_theta: f32, azimuth: f32) -> Vec3 {
     let c = cos_theta.max(1e-4);
-    Vec3::new((1.0 - c * c).max(0.0).sqrt(), 0.0, c)
+    let r = (1.0 - c * c).max(0.0).sqrt();
+    Vec3::new(r * azimuth.cos(), r * azimuth.sin(), c)
 }
 
 /// Midpoints of the Sobol cells: no sample on an edge.
@@ -22,10 +24,8 @@ fn point(i: u32, n: u32) -> Vec2 {
 /// Directional albedo of GGX single scattering, as factors of f0 and f90 of Schlick's Fresnel, with `n` samples.    [Karis13]
 ///
 ///     E(wo) = ∫ f cos θi dωi = f0 ∫ (1 − w) G2/G1 + f90 ∫ w G2/G1,    w = (1 − wo·m)⁵, m over visible normals
-pub fn ggx_albedo(cos_theta: f32, alpha: Vec2, azimuth: f32, n: u32) -> [f32; 2] {
+pub fn ggx_albedo(wo: Vec3, alpha: Vec2, n: u32) -> [f32; 2] {
     let alpha = alpha.max(Vec2::splat(ALPHA_FLOOR));
-    let d = direction(cos_theta);
-    let wo = Vec3::new(d.x * azimuth.cos(), d.x * azimuth.sin(), d.z);
     let (mut a, mut b) = (0.0f64, 0.0f64);
     for i in 0..n {
         let m = ggx_sample_vndf(alpha, wo, point(i, n));
@@ -41,9 +41,8 @@ pub fn ggx_albedo(cos_theta: f32, alpha: Vec2, azimuth: f32, n: u32) -> [f32; 2]
 }
 
 /// Share of light that rough glass reflects or transmits in single scattering; `eta` = index beyond over index before.
-pub fn glass_albedo(cos_theta: f32, alpha: f32, eta: f32, n: u32) -> f32 {
-    let alpha = Vec2::splat(alpha.max(ALPHA_FLOOR));
-    let wo = direction(cos_theta);
+pub fn glass_albedo(wo: Vec3, alpha: Vec2, eta: f32, n: u32) -> f32 {
+    let alpha = alpha.max(Vec2::splat(ALPHA_FLOOR));
     let mut sum = 0.0f64;
     for i in 0..n {
         let m = ggx_sample_vndf(alpha, wo, point(i, n));
@@ -63,7 +62,7 @@ pub fn glass_albedo(cos_theta: f32, alpha: f32, eta: f32, n: u32) -> f32 {
 /// Directional albedo of GGX whose Fresnel is the hat function of each of [`HAT_NODES`] nodes over wo·m.
 pub fn ggx_hat_albedo(cos_theta: f32, alpha: f32, n: u32) -> [f32; HAT_NODES] {
     let alpha = Vec2::splat(alpha.max(ALPHA_FLOOR));
-    let wo = direction(cos_theta);
+    let wo = direction(cos_theta, 0.0);
     let mut sums = [0.0f64; HAT_NODES];
     for i in 0..n {
         let m = ggx_sample_vndf(alpha, wo, point(i, n));
@@ -83,7 +82,7 @@ pub fn ggx_hat_albedo(cos_theta: f32, alpha: f32, n: u32) -> [f32; HAT_NODES] {
 /// The fibres stand upright, so the lobe is largest near the horizon: cos θi = s² puts the points there.
 pub fn sheen_albedo(cos_theta: f32, alpha: f32, n: u32) -> f32 {
     let alpha = alpha.max(SHEEN_MIN_ALPHA);
-    let wo = direction(cos_theta);
+    let wo = direction(cos_theta, 0.0);
     let mut sum = 0.0f64;
     for i in 0..n * n {
         let s = ((i % n) as f32 + 0.5) / n as f32;
@@ -119,7 +118,7 @@ pub fn eta_of_node(i: usize) -> f32 {
 pub fn make_ggx_albedo(n: u32) -> Vec<[f32; 2]> {
     let node = |k: usize| {
         let alpha = Vec2::splat(alpha_of_node(k / COS_NODES, ROUGHNESS_NODES));
-        ggx_albedo(cos_of_node(k % COS_NODES, COS_NODES), alpha, 0.0, n)
+        ggx_albedo(direction(cos_of_node(k % COS_NODES, COS_NODES), 0.0), alpha, n)
     };
     (0..COS_NODES * ROUGHNESS_NODES).map(node).collect()
 }
@@ -148,7 +147,8 @@ pub fn make_glass_albedo(n: u32) -> Vec<f32> {
     let node = |k: usize| {
         let (c, r) = (k % GLASS_COS_NODES, k / GLASS_COS_NODES % GLASS_ROUGHNESS_NODES);
         let eta = eta_of_node(k / GLASS_COS_NODES / GLASS_ROUGHNESS_NODES);
-        glass_albedo(cos_of_node(c, GLASS_COS_NODES), alpha_of_node(r, GLASS_ROUGHNESS_NODES), eta, n)
+        let alpha = Vec2::splat(alpha_of_node(r, GLASS_ROUGHNESS_NODES));
+        glass_albedo(direction(cos_of_node(c, GLASS_COS_NODES), 0.0), alpha, eta, n)
     };
     (0..GLASS_COS_NODES * GLASS_ROUGHNESS_NODES * GLASS_ETA_NODES).map(node).collect()
 }
@@ -169,4 +169,34 @@ pub fn make_ggx_hat_albedo(n: u32) -> Vec<f32> {
         ggx_hat_albedo(cos_of_node(c, HAT_AXIS_NODES), alpha_of_node(r, HAT_AXIS_NODES), n)
     };
     (0..HAT_AXIS_NODES * HAT_AXIS_NODES).flat_map(node).collect()
+}
+
+/// The table [`GGX_ANISO_ALBEDO`].
+pub fn make_ggx_aniso_albedo(n: u32) -> Vec<f32> {
+    const R: usize = ANISO_ROUGHNESS_NODES;
+    let node = |k: usize| {
+        let (c, along, across) = (k % ANISO_COS_NODES, k / ANISO_COS_NODES % R, k / ANISO_COS_NODES / R);
+        let alpha = Vec2::new(alpha_of_node(along, R), alpha_of_node(across, R));
+        let [f0, f90] = ggx_albedo(direction(cos_of_node(c, ANISO_COS_NODES), 0.0), alpha, n);
+        f0 + f90
+    };
+    (0..ANISO_COS_NODES * R * R).map(node).collect()
+}
+
+/// The table [`GGX_ANISO_ALBEDO_AVERAGE`] of the albedo as it is interpolated from `table`, by `n`² midpoints.
+pub fn make_ggx_aniso_albedo_average(table: &[f32], n: u32) -> Vec<f32> {
+    const R: usize = ANISO_ROUGHNESS_NODES;
+    let node = |k: usize| {
+        let alpha = Vec2::new(alpha_of_node(k % R, R), alpha_of_node(k / R, R)).max(Vec2::splat(ALPHA_FLOOR));
+        let mut sum = 0.0f64;
+        for i in 0..n * n {
+            // Uniform in cos² θ: the cosine-weighted hemisphere.
+            let c = (((i % n) as f32 + 0.5) / n as f32).sqrt();
+            let phi = std::f32::consts::FRAC_PI_2 * ((i / n) as f32 + 0.5) / n as f32;
+            let r = (1.0 - c * c).sqrt();
+            sum += f64::from(aniso_white_albedo(table, alpha, Vec3::new(r * phi.cos(), r * phi.sin(), c)));
+        }
+        (sum / f64::from(n * n)) as f32
+    };
+    (0..R * R).map(node).collect()
 }

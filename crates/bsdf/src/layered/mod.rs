@@ -18,6 +18,8 @@ mod coat;
 mod film;
 mod glass;
 #[cfg(test)]
+mod mis_experiment;
+#[cfg(test)]
 mod tests;
 mod types;
 

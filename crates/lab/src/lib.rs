@@ -1,1 +1,14 @@
-//! TODO
+//! Experiments over the registry of techniques: error and cost of each against the path-traced reference, and the report.
+
+mod error;
+mod evaluate;
+mod host;
+pub mod html;
+mod judge;
+mod options;
+pub mod report;
+mod staging;
+
+pub use error::LabError;
+pub use options::{CompareOptions, ReferenceStop};
+pub use staging::Staging;

@@ -1,0 +1,191 @@
+//! From images to numbers: the errors of one run.
+
+use crate::LabError;
+use crate::html::{CropPictures, RunPictures};
+use crate::judge::{Judge, Take};
+use crate::report::{Candidate, ComposedError, LightError, RunError, Temporal};
+use glam::UVec2;
+use kajo_image::{ExrFile, Image, Layer};
+use kajo_image_metrics::{
+    Comparison, ComparisonOptions, MetricsError, MseDifference, Palette, bias_noise, crop, heat_map, mse, mse_difference, shadow_border,
+    worst_crops,
+};
+use kajo_units::LinearRgb;
+
+/// Everything that the images of a run say.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// For the report.
+    pub error: RunError,
+    /// For the report.
+    pub temporal: Temporal,
+    /// The first take, all parts below each other: for the comparison of runs.
+    pub stacked: Image<LinearRgb>,
+    /// FLIP of the first take, the largest over the parts.
+    pub heat: Image<f32>,
+}
+
+/// Side of the crops, px: three of them at fourfold size stand beside each other.
+const CROP_SIDE: u32 = 28;
+/// Number of crops of a run.
+const CROPS: usize = 3;
+
+/// Compares the takes of a run (one a seed) with its judge. `what` names the run in errors.
+///
+/// # Errors
+/// No take, sizes that differ, NaN.
+pub fn evaluate(judge: &Judge, takes: &[Take], what: &str) -> Result<Evaluation, LabError> {
+    let named = |source: MetricsError| LabError::Metrics { what: what.to_owned(), source };
+    let (reference, variance) = (judge.stacked(), judge.stacked_variance());
+    let stacked: Vec<Image<LinearRgb>> = takes.iter().map(|take| judge.stacked_take(take)).collect();
+    let Some(first) = stacked.first() else { return Err(LabError::Nothing { reason: format!("{what} gave no image") }) };
+    let options =
+        ComparisonOptions { view: judge.view(), hdr: !judge.fraction, reference_variance: variance.as_ref(), ..Default::default() };
+    let (mut image, map) = Comparison::new(first, &reference, &options).map_err(named)?;
+
+    let errors = stacked.iter().map(|s| mse(s, &reference)).collect::<Result<Vec<_>, _>>().map_err(named)?;
+    let (mean, standard_error) = mean_and_error(&errors);
+    (image.mse, image.rmse) = (mean, mean.sqrt());
+    image.psnr_linear = (mean > 0.0).then(|| -10.0 * mean.log10());
+
+    let split = (takes.len() > 1).then(|| bias_noise(&stacked, &reference, variance.as_ref())).transpose().map_err(named)?;
+    let mut error = RunError {
+        image,
+        bias: split.map(|s| s.bias),
+        noise: split.map(|s| s.noise),
+        bias_floor: split.map(|s| s.bias_floor),
+        mse_standard_error: standard_error,
+        off_border_mismatch: None,
+        off_border_mismatches: None,
+        border_error: None,
+        border_px: None,
+        lights: vec![],
+        composed: composed(judge, takes).map_err(named)?,
+    };
+    if judge.fraction {
+        borders(judge, &takes[0], &mut error).map_err(named)?;
+    }
+    let temporal = Temporal { flicker: flicker(&stacked), lag: None, ghost: None };
+    Ok(Evaluation { error, temporal, heat: largest_over_parts(&map, judge.size()), stacked: stacked.into_iter().next().expect("a take") })
+}
+
+/// Mean, and its standard error; 0 for one value.
+fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let spread = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    (mean, (spread / n).sqrt())
+}
+
+/// Shadow borders of each light; the totals are over all lights.
+fn borders(judge: &Judge, take: &Take, error: &mut RunError) -> Result<(), MetricsError> {
+    let scalar = |image: &Image<LinearRgb>| image.map(|p| p[0]);
+    let (mut off, mut mismatches, mut border, mut border_error) = (0, 0, 0, 0.0);
+    let mut distances = Vec::new();
+    for (part, image) in judge.parts.iter().zip(&take.parts) {
+        let result = shadow_border(&scalar(image), &scalar(&part.image), judge.mask.as_ref())?;
+        off += result.off_border_pixels;
+        mismatches += result.off_border_mismatches;
+        border += result.border_pixels;
+        border_error += result.border_error * result.border_pixels as f64;
+        distances.extend(result.border_px);
+        error.lights.push(LightError {
+            light: part.name.strip_prefix("visibility.").unwrap_or(&part.name).to_owned(),
+            rmse: mse(&judge.masked(image), &judge.masked(&part.image))?.sqrt(),
+            off_border_mismatch: result.off_border_mismatch,
+            border_px: result.border_px,
+        });
+    }
+    error.off_border_mismatch = Some(mismatches as f64 / off.max(1) as f64);
+    error.off_border_mismatches = Some(mismatches);
+    error.border_error = Some(border_error / border.max(1) as f64);
+    error.border_px = (!distances.is_empty()).then(|| distances.iter().sum::<f64>() / distances.len() as f64);
+    Ok(())
+}
+
+fn composed(judge: &Judge, takes: &[Take]) -> Result<Option<ComposedError>, MetricsError> {
+    let (Some(part), Some(image)) = (&judge.composed, &takes[0].composed) else { return Ok(None) };
+    let options = ComparisonOptions {
+        view: kajo_image_metrics::View::fit(&part.image),
+        hdr: true,
+        reference_variance: part.variance.as_ref(),
+        ..Default::default()
+    };
+    let (image, _) = Comparison::new(image, &part.image, &options)?;
+    Ok(Some(ComposedError { against: part.name.clone(), image }))
+}
+
+/// Mean |difference| of neighbouring takes, over pixels and channels.
+fn flicker(stacked: &[Image<LinearRgb>]) -> Option<f64> {
+    let pairs = stacked.windows(2).map(|pair| {
+        let difference = |(a, b): (&LinearRgb, &LinearRgb)| f64::from((*a - *b).0.abs().element_sum()) / 3.0;
+        pair[0].pixels().iter().zip(pair[1].pixels()).map(difference).sum::<f64>() / pair[0].pixels().len() as f64
+    });
+    let all: Vec<f64> = pairs.collect();
+    (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
+}
+
+fn largest_over_parts(map: &Image<f32>, size: UVec2) -> Image<f32> {
+    let parts = map.height() / size.y;
+    Image::from_fn(size, |x, y| (0..parts).map(|part| *map.get(x, y + part * size.y)).fold(0.0, f32::max))
+}
+
+/// The pictures of a run, for the page and the PNG files.
+pub fn pictures(judge: &Judge, take: &Take, evaluation: &Evaluation) -> RunPictures {
+    let view = judge.view();
+    let image = view.to_srgb8(&judge.picture(&take.parts));
+    let reference = reference_picture(judge);
+    let heat = heat_map(&evaluation.heat, 1.0, Palette::Magma);
+    let crops = worst_crops(&evaluation.heat, CROP_SIDE, CROPS);
+    let crops = crops.iter().map(|c| CropPictures { at: [c.x, c.y], images: [&image, &reference, &heat].map(|i| crop(i, c)) }).collect();
+    let name = if judge.fraction { "FLIP" } else { "HDR-FLIP" };
+    let over = if judge.parts.len() > 1 { ", the largest over all lights" } else { "" };
+    RunPictures { image, heat, heat_scale: format!("{name} of each pixel: black 0, pale yellow 1{over}"), crops }
+}
+
+/// The picture of the reference.
+pub fn reference_picture(judge: &Judge) -> Image<kajo_units::Srgb8> {
+    let parts: Vec<_> = judge.parts.iter().map(|p| p.image.clone()).collect();
+    judge.view().to_srgb8(&judge.picture(&parts))
+}
+
+/// Every image of a run with full precision.
+pub fn run_exr(judge: &Judge, take: &Take, evaluation: &Evaluation) -> ExrFile {
+    let mut file = ExrFile::new(judge.size());
+    file.layers.push(Layer::color("", &judge.picture(&take.parts)));
+    if judge.parts.len() > 1 {
+        file.layers.extend(judge.parts.iter().zip(&take.parts).map(|(part, image)| Layer::color(&part.name, image)));
+    }
+    file.layers.push(Layer::scalar("flip", &evaluation.heat));
+    if let Some(composed) = &take.composed {
+        file.layers.push(Layer::color("composed", composed));
+    }
+    file
+}
+
+/// The reference with its variance.
+pub fn reference_exr(judge: &Judge) -> ExrFile {
+    let mut file = ExrFile::new(judge.size());
+    let parts: Vec<_> = judge.parts.iter().map(|p| p.image.clone()).collect();
+    file.layers.push(Layer::color("", &judge.picture(&parts)));
+    for part in judge.parts.iter().chain(&judge.composed) {
+        file.layers.push(Layer::color(&part.name, &part.image));
+        if let Some(variance) = &part.variance {
+            file.layers.push(Layer::color(format!("variance.{}", part.name), variance));
+        }
+    }
+    file
+}
+
+/// MSE of run a minus that of run b, its standard error from the reference's noise and from the seeds.
+///
+/// # Errors
+/// Sizes that differ.
+pub fn difference(judge: &Judge, a: (&Evaluation, &Candidate), b: (&Evaluation, &Candidate)) -> Result<MseDifference, MetricsError> {
+    let by_reference = mse_difference(&a.0.stacked, &b.0.stacked, &judge.stacked(), judge.stacked_variance().as_ref())?;
+    let seeds = a.0.error.mse_standard_error.hypot(b.0.error.mse_standard_error);
+    Ok(MseDifference { value: a.1.mse - b.1.mse, standard_error: by_reference.standard_error.hypot(seeds) })
+}
+
+#[cfg(test)]
+mod tests;

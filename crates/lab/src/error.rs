@@ -33,6 +33,9 @@ pub enum LabError {
     /// A scene that cannot be loaded.
     #[error(transparent)]
     Scene(#[from] kajo_scene::SceneError),
+    /// A reference that cannot be rendered.
+    #[error(transparent)]
+    Tracer(#[from] kajo_path_tracer::PathTracerError),
     /// An image that cannot be written.
     #[error(transparent)]
     Image(#[from] kajo_image::ImageError),

@@ -2,7 +2,7 @@
 
 use crate::LabError;
 use crate::html::{CropPictures, RunPictures};
-use crate::judge::{Judge, Take};
+use crate::judge::{Judge, Kind, Take};
 use crate::report::{Candidate, ComposedError, LightError, RunError, Temporal};
 use glam::UVec2;
 use kajo_image::{ExrFile, Image, Layer};
@@ -26,7 +26,7 @@ pub struct Evaluation {
 }
 
 /// Side of the crops, px: three of them at fourfold size stand beside each other.
-const CROP_SIDE: u32 = 28;
+const CROP_SIDE: u32 = 26;
 /// Number of crops of a run.
 const CROPS: usize = 3;
 
@@ -39,8 +39,12 @@ pub fn evaluate(judge: &Judge, takes: &[Take], what: &str) -> Result<Evaluation,
     let (reference, variance) = (judge.stacked(), judge.stacked_variance());
     let stacked: Vec<Image<LinearRgb>> = takes.iter().map(|take| judge.stacked_take(take)).collect();
     let Some(first) = stacked.first() else { return Err(LabError::Nothing { reason: format!("{what} gave no image") }) };
-    let options =
-        ComparisonOptions { view: judge.view(), hdr: !judge.fraction, reference_variance: variance.as_ref(), ..Default::default() };
+    let options = ComparisonOptions {
+        view: judge.view(),
+        hdr: judge.kind == Kind::Light,
+        reference_variance: variance.as_ref(),
+        ..Default::default()
+    };
     let (mut image, map) = Comparison::new(first, &reference, &options).map_err(named)?;
 
     let errors = stacked.iter().map(|s| mse(s, &reference)).collect::<Result<Vec<_>, _>>().map_err(named)?;
@@ -62,7 +66,7 @@ pub fn evaluate(judge: &Judge, takes: &[Take], what: &str) -> Result<Evaluation,
         lights: vec![],
         composed: composed(judge, takes).map_err(named)?,
     };
-    if judge.fraction {
+    if judge.kind == Kind::Visibility {
         borders(judge, &takes[0], &mut error).map_err(named)?;
     }
     let temporal = Temporal { flicker: flicker(&stacked), lag: None, ghost: None };
@@ -138,7 +142,7 @@ pub fn pictures(judge: &Judge, take: &Take, evaluation: &Evaluation) -> RunPictu
     let heat = heat_map(&evaluation.heat, 1.0, Palette::Magma);
     let crops = worst_crops(&evaluation.heat, CROP_SIDE, CROPS);
     let crops = crops.iter().map(|c| CropPictures { at: [c.x, c.y], images: [&image, &reference, &heat].map(|i| crop(i, c)) }).collect();
-    let name = if judge.fraction { "FLIP" } else { "HDR-FLIP" };
+    let name = if judge.kind == Kind::Light { "HDR-FLIP" } else { "FLIP" };
     let over = if judge.parts.len() > 1 { ", the largest over all lights" } else { "" };
     RunPictures { image, heat, heat_scale: format!("{name} of each pixel: black 0, pale yellow 1{over}"), crops }
 }

@@ -12,10 +12,21 @@ pub struct Judge {
     pub parts: Vec<Part>,
     /// Pixels that show a surface, where the role says nothing about the others.
     pub mask: Option<Image<bool>>,
-    /// True for fractions in [0, 1], false for light.
-    pub fraction: bool,
+    /// What the pixels are.
+    pub kind: Kind,
     /// The picture in which the role's output is used.
     pub composed: Option<Part>,
+}
+
+/// What the pixels of a role are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Fractions in [0, 1] with borders between shadow and light.
+    Visibility,
+    /// Fractions in [0, 1].
+    Fraction,
+    /// Radiance or irradiance.
+    Light,
 }
 
 /// One reference image.
@@ -74,7 +85,7 @@ impl Judge {
 
     /// How the images are shown, and seen by PSNR, SSIM and FLIP.
     pub fn view(&self) -> View {
-        if self.fraction { View::FRACTION } else { View::fit(&self.parts[0].image) }
+        if self.kind == Kind::Light { View::fit(&self.parts[0].image) } else { View::FRACTION }
     }
 
     /// RMSE that a perfect image has.

@@ -6,9 +6,12 @@ mod host;
 pub mod html;
 mod judge;
 mod options;
+mod progress;
+mod reference;
 pub mod report;
 mod staging;
 
 pub use error::LabError;
 pub use options::{CompareOptions, ReferenceStop};
+pub use progress::{Progress, Unwatched};
 pub use staging::Staging;

@@ -132,7 +132,7 @@ impl Aov {
         match self {
             Self::Albedo | Self::Normal | Self::ShadingNormal | Self::Depth | Self::Position | Self::Motion => Combine::Covered,
             Self::InstanceId | Self::MaterialId => Combine::First,
-            aov if aov.is_role() => Combine::TrackedMean,
+            aov if aov.is_role() || *aov == Self::Direct => Combine::TrackedMean,
             _ => Combine::Mean,
         }
     }

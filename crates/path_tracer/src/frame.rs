@@ -46,7 +46,7 @@ pub struct FrameImage {
     pub name: String,
     /// Pixels.
     pub pixels: Pixels,
-    /// Variance of each pixel's mean, for `beauty` and the images of roles; infinite while unknown.
+    /// Variance of each pixel's mean, for `beauty`, `direct` and the images of roles; infinite while unknown.
     pub variance: Option<Pixels>,
 }
 

@@ -17,7 +17,7 @@ fn judge() -> Judge {
         image: shadow(center),
         variance: Some(shadow(center).map(|_| LinearRgb::BLACK)),
     };
-    Judge { parts: vec![part("Key", 20.0), part("Fill", 40.0)], mask: None, fraction: true, composed: None }
+    Judge { parts: vec![part("Key", 20.0), part("Fill", 40.0)], mask: None, kind: Kind::Visibility, composed: None }
 }
 
 fn exact() -> Take {

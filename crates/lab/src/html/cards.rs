@@ -6,13 +6,13 @@ use maud::{Markup, html};
 
 /// The page's headline.
 pub fn title(report: &Report) -> String {
-    match report.decisions.as_slice() {
-        [only] => match only.recommended {
-            Some(run) => format!("Use {} for {}", report.runs[run].label(), role_title(report, only).to_lowercase()),
-            None => format!("No technique for {}", role_title(report, only).to_lowercase()),
-        },
-        _ => "Which technique to use".into(),
+    let label = |d: &Decision| d.recommended.map(|run| report.runs[run].label());
+    let Some(first) = report.decisions.first() else { return "Nothing was compared".into() };
+    let role = role_title(report, first).to_lowercase();
+    if report.decisions.iter().any(|d| d.role != first.role || label(d) != label(first)) {
+        return "Which technique to use".into();
     }
+    label(first).map_or_else(|| format!("No technique for {role}"), |label| format!("Use {label} for {role}"))
 }
 
 fn role_title<'a>(report: &'a Report, decision: &'a Decision) -> &'a str {
@@ -64,7 +64,7 @@ fn card(report: &Report, decision: &Decision, index: usize) -> Markup {
         article.card {
             p.eyebrow { (role_title(report, decision)) " · " (decision.scene) }
             p.choice { @match run { Some(run) => (run.label()), None => "Nothing fits" } }
-            p.sentence { (decision.sentence) }
+            p.sentence { (reason(decision, run.map(|r| r.label()))) }
             p { (certainty(decision)) }
             @if let Some((error, cost)) = run.and_then(|r| r.error.as_ref().zip(r.cost.as_ref())) {
                 dl.facts {
@@ -77,6 +77,13 @@ fn card(report: &Report, decision: &Decision, index: usize) -> Markup {
             p.more { a href=(format!("#evidence-{index}")) { "See the evidence" } }
         }
     }
+}
+
+/// The sentence without the name that stands above it.
+fn reason(decision: &Decision, label: Option<String>) -> String {
+    let rest = label.and_then(|label| decision.sentence.strip_prefix(&format!("Use {label}: ")).map(str::to_owned));
+    let mut characters = rest.as_deref().unwrap_or(&decision.sentence).chars();
+    characters.next().map_or_else(String::new, |c| c.to_uppercase().chain(characters).collect())
 }
 
 /// How sure a decision is, in words and a mark that does not depend on colour.
@@ -95,7 +102,7 @@ fn certainty(decision: &Decision) -> Markup {
 pub fn reference(reference: &ReferenceEntry) -> Markup {
     let [width, height] = reference.size;
     html! {
-        dl.facts.reference {
+        dl.facts.judge {
             div { dt { "reference" } dd { (reference.spp) small { " spp" } } }
             div { dt { "standard error" } dd {
                 @match reference.relative_standard_error { Some(e) => { (short(100.0 * e)) small { " %" } }, None => (number(None)) }

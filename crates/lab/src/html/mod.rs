@@ -92,7 +92,7 @@ fn section(report: &Report, pictures: &Pictures, index: usize) -> Markup {
             header.section-head {
                 p.eyebrow { (reference.scene) }
                 h2 { (reference.role_title) }
-                p.what { "Judged: " span.math { (reference.estimates) } ", in " (reference.unit) "." }
+                p.what { "Every technique estimates " span.math { (reference.estimates) } ". Unit: " (reference.unit) "." }
             }
             (cards::reference(reference))
             @if let Some(decision) = decision { (chart::error_and_cost(report, decision, &runs, reference.rmse_floor, index)) }

@@ -73,7 +73,7 @@ fn everything_that_was_asked_for_is_on_the_page() {
     let report = report();
     let html = page(&report, &pictures(&report));
     let said = [
-        "Use shadow/pcss",
+        "Use shadow/pcss for direct visibility",
         "not distinguishable",
         "skipped: needs experimental_ray_query",
         "KHR_materials_dispersion",

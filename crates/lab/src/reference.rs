@@ -1,0 +1,200 @@
+//! The references of a scene: one rendering of the path tracer, one judge for each role.
+//!
+//! Samples lie at pixel centres, where a rasteriser without anti-aliasing looks: a difference is then one of light, not of the pixel
+//! filter. Roles that end at the first hit need no longer paths, and get none.
+
+use crate::judge::{Judge, Kind, Part};
+use crate::{LabError, Progress, ReferenceStop};
+use kajo_image::Image;
+use kajo_path_tracer::{Aov, Filter, Frame, Integrator, Pixels, Settings, Stop, Tracer, render};
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+/// All judges of a scene.
+#[derive(Clone, Debug)]
+pub struct References {
+    /// By the role's id.
+    pub judges: BTreeMap<&'static str, Judge>,
+    /// Samples per pixel.
+    pub spp: u32,
+    /// Wall-clock time, s.
+    pub seconds: f64,
+    /// Rays traced.
+    pub rays: u64,
+    /// Samples that were NaN or infinite and count as black.
+    pub invalid_samples: u64,
+}
+
+/// How the path tracer judges a role.
+#[derive(Clone, Debug)]
+struct Recipe {
+    role: &'static str,
+    kind: Kind,
+    images: fn(&Tracer) -> Vec<Aov>,
+    composed: Option<Aov>,
+    /// Needs paths beyond the first bounce.
+    indirect: bool,
+}
+
+const RECIPES: [Recipe; 5] = [
+    Recipe {
+        role: "direct-visibility",
+        kind: Kind::Visibility,
+        images: |tracer| tracer.visibility_light_names().map(|light| Aov::Visibility(light.to_owned())).collect(),
+        composed: Some(Aov::Direct),
+        indirect: false,
+    },
+    Recipe { role: "ambient-visibility", kind: Kind::Fraction, images: |_| vec![Aov::AmbientVisibility], composed: None, indirect: false },
+    Recipe { role: "diffuse-indirect", kind: Kind::Light, images: |_| vec![Aov::DiffuseIndirect], composed: None, indirect: true },
+    Recipe { role: "specular-indirect", kind: Kind::Light, images: |_| vec![Aov::SpecularIndirect], composed: None, indirect: true },
+    Recipe { role: "light-sampling", kind: Kind::Light, images: |_| vec![Aov::Direct], composed: None, indirect: false },
+];
+
+/// Roles whose techniques can be judged by an image of the path tracer.
+pub fn judged_roles() -> impl Iterator<Item = &'static str> {
+    RECIPES.iter().map(|recipe| recipe.role)
+}
+
+/// Most samples per pixel that `--reference-noise` takes: a scene whose noise does not fall must end.
+const MAX_SPP: u32 = 1 << 16;
+/// Fewest samples per pixel before a noise level is believed.
+const MIN_SPP: u32 = 16;
+
+/// Renders the judges of `roles`. `None` when interrupted.
+///
+/// # Errors
+/// Settings that the tracer refuses.
+pub fn references(
+    tracer: &Tracer,
+    roles: &[&str],
+    base: &Settings,
+    stop: ReferenceStop,
+    progress: &dyn Progress,
+    share: &(dyn Fn(f64) -> f64 + Sync),
+) -> Result<Option<References>, LabError> {
+    let recipes: Vec<Recipe> = RECIPES.into_iter().filter(|r| roles.contains(&r.role) && !(r.images)(tracer).is_empty()).collect();
+    let mut aovs: Vec<Aov> = recipes.iter().flat_map(|r| (r.images)(tracer).into_iter().chain(r.composed.clone())).collect();
+    aovs.push(Aov::Coverage);
+    let integrator = if recipes.iter().any(|r| r.indirect) { Integrator::Path } else { Integrator::Direct };
+    let settings = Settings { integrator, filter: Filter::Center, aovs, ..base.clone() };
+    let control = |p: &kajo_path_tracer::Progress| {
+        progress.at("reference", share(f64::from(p.fraction)));
+        if progress.interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let (mut goal, last, wanted) = match stop {
+        ReferenceStop::Spp(spp) => (spp, spp, 0.0),
+        ReferenceStop::Noise(error) => (MIN_SPP, MAX_SPP, f64::from(error)),
+    };
+    let mut film = None;
+    loop {
+        let rendered = render(tracer, &settings, Stop::at_spp(goal), film.take(), &control)?;
+        if progress.interrupted() {
+            return Ok(None);
+        }
+        let frame = rendered.develop();
+        let judges = judges(tracer, &recipes, &frame);
+        let noise = judges.values().filter_map(Judge::relative_standard_error).fold(0.0, f64::max);
+        if goal >= last || noise <= wanted {
+            let Frame { spp, seconds, rays, invalid_samples, .. } = frame;
+            return Ok(Some(References { judges, spp, seconds, rays, invalid_samples }));
+        }
+        goal = next_goal(goal, noise / wanted).min(last);
+        film = Some(rendered);
+    }
+}
+
+/// Noise falls with the square root of samples; a little more than that predicts saves a round, and 4 times at most guards against a
+/// first estimate that missed something.
+fn next_goal(spp: u32, excess: f64) -> u32 {
+    let predicted = f64::from(spp) * excess * excess * 1.1;
+    predicted.clamp(f64::from(spp) * 1.25, f64::from(spp) * 4.0).ceil() as u32
+}
+
+fn judges(tracer: &Tracer, recipes: &[Recipe], frame: &Frame) -> BTreeMap<&'static str, Judge> {
+    let coverage = frame.image(&Aov::Coverage.to_string()).map(|image| image.pixels.to_color());
+    let part = |aov: &Aov| {
+        let image = frame.image(&aov.to_string()).expect("an image that was asked for");
+        let variance = image.variance.as_ref().map(Pixels::to_color).filter(|v| v.pixels().iter().all(|p| p.is_finite()));
+        Part { name: image.name.clone(), image: image.pixels.to_color(), variance }
+    };
+    let judge = |recipe: &Recipe| Judge {
+        parts: (recipe.images)(tracer).iter().map(part).collect(),
+        mask: coverage.as_ref().filter(|_| recipe.kind != Kind::Light).map(|c| mask(c)),
+        kind: recipe.kind,
+        composed: recipe.composed.as_ref().map(part),
+    };
+    recipes.iter().map(|recipe| (recipe.role, judge(recipe))).collect()
+}
+
+fn mask(coverage: &Image<kajo_units::LinearRgb>) -> Image<bool> {
+    coverage.map(|c| c[0] > 0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Unwatched;
+    use glam::UVec2;
+    use kajo_scene::{LoadOptions, Snapshot, load};
+    use kajo_units::Seconds;
+
+    fn tracer(scene: &str) -> Tracer {
+        let scene = load(scene, &LoadOptions::default()).unwrap();
+        let snapshot = Snapshot::new(&scene, Seconds(0.0));
+        Tracer::new(&scene, snapshot).unwrap()
+    }
+
+    fn settings() -> Settings {
+        Settings { size: UVec2::new(32, 24), ..Settings::default() }
+    }
+
+    fn render_all(tracer: &Tracer, roles: &[&str], stop: ReferenceStop) -> References {
+        references(tracer, roles, &settings(), stop, &Unwatched, &|f| f).unwrap().unwrap()
+    }
+
+    #[test]
+    fn every_role_gets_its_judge_with_a_variance() {
+        let tracer = tracer("builtin:shadows");
+        let roles: Vec<&str> = judged_roles().collect();
+        let found = render_all(&tracer, &roles, ReferenceStop::Spp(8));
+        assert_eq!(found.spp, 8);
+        for role in roles {
+            let judge = &found.judges[role];
+            assert_eq!(judge.size(), UVec2::new(32, 24), "{role}");
+            assert!(judge.stacked_variance().is_some(), "{role}");
+        }
+        let visibility = &found.judges["direct-visibility"];
+        assert_eq!(visibility.parts.len(), tracer.visibility_light_names().count());
+        assert_eq!(visibility.composed.as_ref().unwrap().name, "direct");
+    }
+
+    #[test]
+    fn more_samples_lower_the_floor_and_the_noise_stop_is_obeyed() {
+        let tracer = tracer("builtin:penumbra");
+        let floor = |stop| render_all(&tracer, &["direct-visibility"], stop).judges["direct-visibility"].floor();
+        let (few, many) = (floor(ReferenceStop::Spp(16)), floor(ReferenceStop::Spp(256)));
+        assert!(many < 0.5 * few && many > 0.0, "{few} {many}");
+        let quiet = render_all(&tracer, &["direct-visibility"], ReferenceStop::Noise(0.01));
+        assert!(quiet.judges["direct-visibility"].relative_standard_error().unwrap() <= 0.01 && quiet.spp > 16, "{}", quiet.spp);
+    }
+
+    #[test]
+    fn an_interruption_gives_nothing() {
+        struct Stop;
+        impl Progress for Stop {
+            fn at(&self, _: &str, _: f64) {}
+            fn interrupted(&self) -> bool {
+                true
+            }
+        }
+        let tracer = tracer("builtin:shadows");
+        assert!(references(&tracer, &["direct-visibility"], &settings(), ReferenceStop::Spp(4), &Stop, &|f| f).unwrap().is_none());
+    }
+
+    #[test]
+    fn next_goal_grows_by_what_the_noise_asks_within_bounds() {
+        assert_eq!(next_goal(16, 1.5), 40);
+        assert_eq!(next_goal(16, 100.0), 64);
+        assert_eq!(next_goal(100, 1.001), 125);
+    }
+}

@@ -20,7 +20,7 @@ pub type LoadedEnvironment = (Environment, Vec<Ignored>);
 /// [`kajo_image::MAX_PIXELS`] (checked before memory is taken), a file without a finite value.
 pub fn load_environment(path: &Path) -> Result<LoadedEnvironment, SceneError> {
     let file = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|source| SceneError::Read { file, source })?;
+    let bytes = crate::files::read_file(path).map_err(|source| SceneError::Read { file, source })?;
     decode_environment(path, &bytes)
 }
 

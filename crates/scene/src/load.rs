@@ -1,6 +1,8 @@
 //! From what the user types to a scene that can be rendered.
 
-use crate::{Camera, Environment, Ignored, Node, Scene, SceneError, Transform, builtin, framing, load_environment};
+use crate::{
+    Camera, Environment, Ignored, Node, Scene, SceneError, Transform, builtin, framing, kajo_toml, load_environment, load_gltf, load_obj,
+};
 use kajo_units::LinearRgb;
 use std::path::{Path, PathBuf};
 
@@ -19,7 +21,7 @@ pub struct LoadOptions {
 /// # Errors
 /// See [`SceneError`]; nothing of a failed scene is returned.
 pub fn load(reference: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
-    let mut scene = import(reference)?;
+    let mut scene = import_reference(reference)?;
     if let Some(path) = &options.environment {
         let (environment, ignored) = load_environment(path)?;
         scene.environment = Some(environment);
@@ -30,20 +32,27 @@ pub fn load(reference: &str, options: &LoadOptions) -> Result<Scene, SceneError>
     Ok(scene)
 }
 
-/// The scene as its file has it.
-fn import(reference: &str) -> Result<Scene, SceneError> {
+/// The scene that a reference of the user names, as its file has it.
+fn import_reference(reference: &str) -> Result<Scene, SceneError> {
     if let Some(name) = reference.strip_prefix("builtin:") {
         return builtin::load(name);
     }
     let path = Path::new(reference);
+    if path.extension().is_none() && !path.exists() && builtin::all().iter().any(|b| b.name == reference) {
+        return Err(SceneError::UnknownBuiltin { reference: reference.into(), problem: format!("did you mean `builtin:{reference}`?") });
+    }
+    import(path, 0)
+}
+
+/// The scene of a file, `depth` scene files deep.
+pub(crate) fn import(path: &Path, depth: usize) -> Result<Scene, SceneError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     match extension.as_str() {
-        "gltf" | "glb" => crate::load_gltf(path),
-        _ if !path.exists() && extension.is_empty() && builtin::all().iter().any(|b| b.name == reference) => {
-            Err(SceneError::UnknownBuiltin { reference: reference.into(), problem: format!("did you mean `builtin:{reference}`?") })
-        }
+        "gltf" | "glb" => load_gltf(path),
+        "obj" => load_obj(path),
+        "toml" => kajo_toml::load_nested(path, depth),
         _ => Err(SceneError::Unsupported {
-            file: reference.into(),
+            file: path.display().to_string(),
             feature: "this kind of file".into(),
             advice: "give a .gltf, .glb, .obj or .kajo.toml file, or builtin:NAME".into(),
         }),

@@ -15,7 +15,7 @@ mod meshopt;
 mod node;
 mod notes;
 mod resources;
-mod tangents;
+pub(crate) mod tangents;
 mod texture;
 mod uri;
 

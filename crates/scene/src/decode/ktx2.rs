@@ -2,10 +2,12 @@
 //!
 //! The first mip level of a two-dimensional image is read; the smaller ones are the renderer's to make.
 
-use super::Encoded;
+use super::bits::Malformed;
+use super::etc1s::Codebooks;
+use super::{Encoded, uastc};
 use crate::limits::Budget;
 use crate::{SceneError, Texels};
-use ktx2::{Format, Reader, SupercompressionScheme};
+use ktx2::{ColorModel, Format, Reader, SupercompressionScheme};
 use std::borrow::Cow;
 use std::io::Read;
 
@@ -47,20 +49,68 @@ pub fn decode(encoded: &Encoded<'_>, budget: &Budget) -> Result<(u32, u32, Texel
     let level = reader.levels().next().ok_or_else(|| encoded.invalid("the KTX 2 file has no level"))?;
 
     let Some(format) = header.format else {
-        return Err(unsupported("a KTX 2 file without a format".into()));
+        let texels = match (reader.color_model(), header.supercompression_scheme) {
+            (Some(ColorModel::ETC1S), Some(SupercompressionScheme::BasisLZ)) => {
+                encoded.claim(budget, width, height, 4)?;
+                etc1s(reader.supercompression_global_data(), header.level_count.max(1), level.data, width, height)
+                    .map_err(|problem| encoded.invalid(format!("the BasisLZ data of the KTX 2 file is damaged: {problem}")))?
+            }
+            (Some(ColorModel::UASTC), None | Some(SupercompressionScheme::Zstandard)) => {
+                encoded.claim(budget, width, height, 4)?;
+                let blocks = u64::from(width.div_ceil(4)) * u64::from(height.div_ceil(4));
+                let bytes =
+                    level_bytes(header.supercompression_scheme, level.data, blocks as usize * 16).map_err(|e| encoded.invalid(e))?;
+                uastc_texels(&bytes, width as usize, height as usize)
+                    .ok_or_else(|| encoded.invalid("the KTX 2 file has bits that are no UASTC block"))?
+            }
+            (model, scheme) => return Err(unsupported(format!("a KTX 2 file with the colour model {model:?} compressed by {scheme:?}"))),
+        };
+        return Ok((width, height, Texels::Rgba8(texels)));
     };
     let (number, channels, reversed) = plain(format).ok_or_else(|| unsupported(format!("a KTX 2 file in the format {format:?}")))?;
     encoded.claim(budget, width, height, if number == Number::Unorm8 { 4 } else { 4 * number.size().max(2) as u64 })?;
     let length = width as usize * height as usize * channels * number.size();
-    let bytes = match header.supercompression_scheme {
-        None => Cow::Borrowed(level.data),
-        Some(SupercompressionScheme::Zstandard) => Cow::Owned(inflate(level.data, length).map_err(|error| encoded.invalid(error))?),
-        Some(scheme) => return Err(unsupported(format!("a KTX 2 file with plain texels compressed by {scheme:?}"))),
-    };
-    if bytes.len() != length {
-        return Err(encoded.invalid(format!("the KTX 2 level has {} bytes instead of {length}", bytes.len())));
+    if let Some(scheme) = header.supercompression_scheme.filter(|&scheme| scheme != SupercompressionScheme::Zstandard) {
+        return Err(unsupported(format!("a KTX 2 file with plain texels compressed by {scheme:?}")));
     }
+    let bytes = level_bytes(header.supercompression_scheme, level.data, length).map_err(|error| encoded.invalid(error))?;
     Ok((width, height, unpack(&bytes, number, channels, reversed)))
+}
+
+/// The bytes of a level, decompressed where it is; exactly `length` of them.
+fn level_bytes(scheme: Option<SupercompressionScheme>, data: &[u8], length: usize) -> Result<Cow<'_, [u8]>, String> {
+    let bytes = if scheme.is_some() { Cow::Owned(inflate(data, length)?) } else { Cow::Borrowed(data) };
+    if bytes.len() == length { Ok(bytes) } else { Err(format!("the KTX 2 level has {} bytes instead of {length}", bytes.len())) }
+}
+
+/// An image of ETC1S blocks; its alpha is the green of a second slice.
+fn etc1s(global: &[u8], images: u32, level: &[u8], width: u32, height: u32) -> Result<Vec<[u8; 4]>, Malformed> {
+    const OUTSIDE: Malformed = "a slice lies outside its level";
+    let (books, slices) = Codebooks::read(global, images as usize)?;
+    let (width, height) = (width as usize, height as usize);
+    let mut texels = vec![[255; 4]; width * height];
+    let color = level.get(slices.color).ok_or(OUTSIDE)?;
+    books.decode(color, width, height, |texel, [r, g, b]| texels[texel] = [r, g, b, 255])?;
+    if !slices.alpha.is_empty() {
+        let alpha = level.get(slices.alpha).ok_or(OUTSIDE)?;
+        books.decode(alpha, width, height, |texel, [_, g, _]| texels[texel][3] = g)?;
+    }
+    Ok(texels)
+}
+
+/// An image of UASTC blocks, row by row.
+fn uastc_texels(blocks: &[u8], width: usize, height: usize) -> Option<Vec<[u8; 4]>> {
+    let mut texels = vec![[0; 4]; width * height];
+    for (index, block) in blocks.chunks_exact(16).enumerate() {
+        let block = uastc::decode_block(block.try_into().expect("chunks of 16"))?;
+        let (left, top) = (index % width.div_ceil(4) * 4, index / width.div_ceil(4) * 4);
+        for (y, row) in (top..height.min(top + 4)).zip(block.chunks_exact(4)) {
+            for (x, texel) in (left..width.min(left + 4)).zip(row) {
+                texels[y * width + x] = *texel;
+            }
+        }
+    }
+    Some(texels)
 }
 
 /// The numbers of a plain colour format, how many a texel has, and whether blue comes first.

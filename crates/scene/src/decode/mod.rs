@@ -3,8 +3,11 @@
 //! The kind of file is told by its first bytes, never by its name or declared type. Sizes are checked against the limits before anything
 //! is decoded.
 
+mod bits;
+mod etc1s;
 mod ktx2;
 mod raster;
+mod uastc;
 
 use crate::limits::Budget;
 use crate::{SceneError, TextureImage};

@@ -1,0 +1,74 @@
+//! A technique as data, and what it does once it is made.
+
+use crate::{Error, FrameContext, MakeContext, Needs, Role};
+use kajo_params::{ParamSpec, ParamValues};
+use kajo_render_graph::{Device, Graph, Slot};
+
+/// A technique: what it is, and how it is made.
+#[derive(Clone, Copy, Debug)]
+pub struct Technique {
+    /// `group/name`, the folder it stands in.
+    pub id: &'static str,
+    /// The role it fills.
+    pub role: Role,
+    /// Name for people.
+    pub title: &'static str,
+    /// Integral, equation, citation, limits; Markdown.
+    pub doc: &'static str,
+    /// Keys in `docs/references.bib`.
+    pub cites: &'static [&'static str],
+    /// Slots it reads.
+    pub reads: &'static [Slot],
+    /// What the device must have.
+    pub needs: Needs,
+    /// Its parameters.
+    pub params: &'static [ParamSpec],
+    /// Makes it for one scene.
+    pub make: fn(&MakeContext, &ParamValues) -> Result<Box<dyn Effect>, Error>,
+}
+
+impl Technique {
+    /// Makes it with checked parameters.
+    ///
+    /// # Errors
+    /// [`Error::Needs`] when the device lacks something, or what making its shaders reports.
+    pub fn build(&self, context: &MakeContext, params: &ParamValues) -> Result<Box<dyn Effect>, Error> {
+        match self.missing(context.device) {
+            Some(needs) => Err(Error::Needs { technique: self.id, needs }),
+            None => (self.make)(context, params),
+        }
+    }
+
+    /// Reads its parameters; what is not given keeps its default.
+    ///
+    /// # Errors
+    /// [`Error::Param`] for unknown names and values out of range.
+    pub fn parse_params(&self, pairs: &[(&str, &str)]) -> Result<ParamValues, Error> {
+        ParamValues::from_pairs(self.params, pairs).map_err(|source| Error::Param { technique: self.id, source })
+    }
+
+    /// What `device` lacks for it, in words.
+    pub fn missing(&self, device: &Device) -> Option<String> {
+        self.needs.missing(device)
+    }
+}
+
+/// A technique at work on one scene.
+pub trait Effect {
+    /// Makes or resizes what it keeps, and uploads what changes with the frame; before [`Self::record`] of each group of lights.
+    ///
+    /// # Errors
+    /// When the device refuses.
+    fn prepare(&mut self, frame: &FrameContext) -> Result<(), Error>;
+
+    /// Adds its passes to the graph.
+    fn record<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>);
+
+    /// Rays traced since it was made, where it traces any. Waits for the device.
+    ///
+    /// # Errors
+    /// When the device is lost.
+    fn rays(&self, _device: &Device) -> Result<u64, Error> {
+        Ok(0)
+    }
+}

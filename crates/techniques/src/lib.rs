@@ -1,1 +1,54 @@
-//! TODO
+//! Techniques: each a folder that fills a [`Role`], and the registry of all of them.
+//!
+//! Command line, viewer, lab and documents iterate over [`all`] and know no technique by name. A technique is data ([`Technique`]) and what it
+//! does once it is made for a scene ([`Effect`]): passes that read the G-buffer's slots and write the role's.
+
+mod error;
+mod frame;
+mod needs;
+mod role;
+pub mod shaders;
+pub mod shadow;
+mod technique;
+#[cfg(test)]
+mod tests;
+mod view;
+
+pub use error::Error;
+pub use frame::{Coverage, Draw, FrameContext, MakeContext, TraceBackend};
+pub use needs::Needs;
+pub use role::Role;
+pub use technique::{Effect, Technique};
+pub use view::View;
+
+/// Every technique, in the order of every list.
+pub fn all() -> impl Iterator<Item = &'static Technique> {
+    shadow::ALL.iter().copied()
+}
+
+/// The techniques of one role.
+pub fn of_role(role: Role) -> impl Iterator<Item = &'static Technique> {
+    all().filter(move |technique| technique.role == role)
+}
+
+/// The technique called `id`.
+///
+/// # Errors
+/// [`Error::UnknownTechnique`] with the nearest id.
+pub fn find(id: &str) -> Result<&'static Technique, Error> {
+    all().find(|technique| technique.id == id).ok_or_else(|| {
+        let score = |candidate: &&'static str| strsim::jaro_winkler(id, candidate);
+        let nearest = all().map(|technique| technique.id).max_by(|a, b| score(a).total_cmp(&score(b))).filter(|best| score(best) > 0.7);
+        let known = all().map(|technique| technique.id).collect::<Vec<_>>().join(", ");
+        Error::UnknownTechnique { got: id.to_owned(), nearest, known }
+    })
+}
+
+/// What a role gets where nobody chooses.
+pub fn default_of(role: Role) -> Option<&'static Technique> {
+    let preferred = match role {
+        Role::DirectVisibility => "shadow/ray-traced",
+        _ => return of_role(role).next(),
+    };
+    find(preferred).ok()
+}

@@ -1,0 +1,116 @@
+//! What techniques are given: by the scene once, and by the frame again and again.
+
+use crate::view::View;
+use crate::{Error, shaders};
+use glam::{UVec2, Vec3};
+use kajo_render_graph::wgpu;
+use kajo_render_graph::{Bindings, Device, Shader};
+use kajo_scene::PlacedLight;
+
+/// Which hardware traces rays behind the interface `trace`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TraceBackend {
+    /// Ray queries of the device.
+    RayQuery,
+    /// A hierarchy in buffers, walked by the shader; runs on every adapter.
+    Compute,
+}
+
+impl TraceBackend {
+    /// Ray queries where the device has them.
+    pub fn best(device: &Device) -> Self {
+        if device.has_ray_query() { Self::RayQuery } else { Self::Compute }
+    }
+
+    /// `ray-query` or `compute`.
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::RayQuery => "ray-query",
+            Self::Compute => "compute",
+        }
+    }
+}
+
+/// What stays the same for a scene: shaders depend on it.
+#[derive(Clone, Copy, Debug)]
+pub struct MakeContext<'a> {
+    /// The device.
+    pub device: &'a Device,
+    /// Who traces rays.
+    pub backend: TraceBackend,
+    /// Length of the list of textures.
+    pub textures: u32,
+}
+
+impl MakeContext<'_> {
+    /// Links and compiles a technique's shader; it may import the modules of [`shaders`] and of `shader_lib`.
+    ///
+    /// # Errors
+    /// When the shader does not link or the device refuses it.
+    pub fn shader(&self, name: &str, source: &str) -> Result<Shader, Error> {
+        Ok(Shader::new(self.device, shaders::link(name, source, self.backend, self.device.has_bindless_textures()))?)
+    }
+}
+
+/// A mesh to draw: a range of the index buffer, and the instance it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Draw {
+    /// Index of the instance in the list on the device.
+    pub instance: u32,
+    /// First entry of the index buffer.
+    pub first_index: u32,
+    /// Entries of the index buffer.
+    pub index_count: u32,
+    /// Added to each entry.
+    pub base_vertex: i32,
+    /// How the surface covers what is behind it.
+    pub coverage: Coverage,
+}
+
+/// How a surface covers what is behind it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coverage {
+    /// Wholly.
+    Opaque,
+    /// Wholly or not at all, by a texture.
+    Mask,
+    /// In part.
+    Blend,
+}
+
+/// What changes with each frame, for one group of lights.
+pub struct FrameContext<'a> {
+    /// The device.
+    pub device: &'a Device,
+    /// The camera.
+    pub view: View,
+    /// Number of the frame: random numbers depend on it.
+    pub index: u32,
+    /// Lights of this group.
+    pub lights: &'a [PlacedLight],
+    /// Index of the first of them in the list on the device.
+    pub first_light: u32,
+    /// Everything that casts shadows; draws of one mesh with different instances stand apart.
+    pub draws: &'a [Draw],
+    /// Index buffer of all draws.
+    pub indices: &'a wgpu::Buffer,
+    /// Box around everything, world, m.
+    pub bounds: [Vec3; 2],
+    /// What the shared modules declare, by name: frame, scene, lights, trace.
+    pub shared: Bindings<'a>,
+}
+
+impl FrameContext<'_> {
+    /// Size of the image, px.
+    pub fn size(&self) -> UVec2 {
+        self.view.size
+    }
+
+    /// Draws every mesh for which `wanted` holds; the pipeline is set.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass, wanted: impl Fn(&Draw) -> bool) {
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for draw in self.draws.iter().filter(|draw| wanted(draw)) {
+            pass.draw_indexed(draw.first_index..draw.first_index + draw.index_count, draw.base_vertex, draw.instance..draw.instance + 1);
+        }
+    }
+}

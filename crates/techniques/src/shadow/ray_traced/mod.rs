@@ -1,0 +1,92 @@
+//! Shadows by rays.
+
+#[cfg(test)]
+mod tests;
+
+use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
+use kajo_params::{ParamSet, ParamValues, Params};
+use kajo_render_graph::wgpu::BufferUsages;
+use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Device, Graph, PipelineOptions, readback, slot};
+
+/// The technique.
+pub const TECHNIQUE: Technique = Technique {
+    id: "shadow/ray-traced",
+    role: Role::DirectVisibility,
+    title: "Ray-traced shadows",
+    doc: include_str!("doc.md"),
+    cites: &["Whitted80", "Cook84", "Roberts18"],
+    reads: &[slot::DEPTH, slot::NORMAL],
+    needs: Needs::NONE,
+    params: Params::SPEC,
+    make: |context, values| Ok(Box::new(RayTraced::new(context, values)?)),
+};
+
+/// Its parameters.
+#[derive(Params, Clone, Copy, Debug)]
+pub struct Params {
+    /// Rays to each light that has an extent; points, spots and parallel lights take one.
+    #[param(default = 4, range = 1..=1024)]
+    pub samples: u32,
+}
+
+/// What the shader reads.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable, kajo_shader_lib::ShaderLayout)]
+struct GpuParams {
+    samples: u32,
+    first_light: u32,
+    light_count: u32,
+    _padding: u32,
+}
+
+struct RayTraced {
+    params: Params,
+    pipeline: ComputePipeline,
+    uniform: Buffer,
+    rays: Buffer,
+}
+
+impl RayTraced {
+    fn new(context: &MakeContext, values: &ParamValues) -> Result<Self, Error> {
+        let shader = context.shader("shadow/ray-traced", include_str!("ray_traced.wesl"))?;
+        let options = PipelineOptions { list_length: context.textures, ..Default::default() };
+        Ok(Self {
+            params: Params::from_values(values),
+            pipeline: ComputePipeline::new(context.device, &shader, "trace_visibility", options)?,
+            uniform: context.device.buffer("shadow/ray-traced", size_of::<GpuParams>() as u64, BufferUsages::UNIFORM | BufferUsages::COPY_DST)?,
+            rays: context.device.buffer_with("shadow/ray-traced rays", &[0u32; 2], BufferUsages::STORAGE | BufferUsages::COPY_SRC)?,
+        })
+    }
+}
+
+impl Effect for RayTraced {
+    fn prepare(&mut self, frame: &FrameContext) -> Result<(), Error> {
+        let params = GpuParams {
+            samples: self.params.samples,
+            first_light: frame.first_light,
+            light_count: frame.lights.len() as u32,
+            _padding: 0,
+        };
+        self.uniform.write(&frame.device.queue, bytemuck::bytes_of(&params));
+        Ok(())
+    }
+
+    fn record<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>) {
+        let access = Access::new("shadow/ray-traced/trace").reads(TECHNIQUE.reads).writes(&[slot::SHADOW_VISIBILITY]);
+        graph.pass(access, move |pass| {
+            let own = Bindings::new()
+                .with("params", &self.uniform)
+                .with("depth", pass.view(slot::DEPTH)?)
+                .with("normal", pass.view(slot::NORMAL)?)
+                .with("visibility", pass.view(slot::SHADOW_VISIBILITY)?)
+                .with("rays", &self.rays);
+            let invocations = frame.size().extend(frame.lights.len() as u32);
+            self.pipeline.dispatch(pass.device, pass.encoder, &frame.shared, &own, invocations)
+        });
+    }
+
+    fn rays(&self, device: &Device) -> Result<u64, Error> {
+        let words: Vec<u32> = readback::read_buffer(device, &self.rays.wgpu)?;
+        Ok(u64::from(words[0]) | u64::from(words[1]) << 32)
+    }
+}

@@ -2,7 +2,7 @@
 
 use proc_macro2::TokenStream;
 use quote::quote;
-use syn::{Data, DeriveInput, Error, Expr, ExprLit, Field, Fields, Lit, LitStr, Meta, Token};
+use syn::{Data, DeriveInput, Error, Expr, ExprLit, ExprRange, Field, Fields, Lit, LitStr, Meta, RangeLimits};
 
 pub(crate) fn derive(input: &DeriveInput) -> syn::Result<TokenStream> {
     let Data::Struct(data) = &input.data else {
@@ -81,9 +81,10 @@ fn spec(field: &Field) -> syn::Result<TokenStream> {
             default = Some(meta.value()?.parse::<Expr>()?);
         } else if meta.path.is_ident("range") {
             let value = meta.value()?;
-            let min: Expr = value.parse()?;
-            value.parse::<Token![..=]>()?;
-            range = Some((min, value.parse::<Expr>()?));
+            range = match value.parse::<Expr>()? {
+                Expr::Range(ExprRange { start: Some(min), limits: RangeLimits::Closed(_), end: Some(max), .. }) => Some((min, max)),
+                other => return Err(Error::new_spanned(other, "a range is written a..=b")),
+            };
         } else if meta.path.is_ident("unit") {
             unit = meta.value()?.parse()?;
         } else {

@@ -52,6 +52,9 @@ impl Pool {
                     | wgpu::TextureFormat::Rgba8Unorm
             );
             let mut usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+            if !depth {
+                usage |= wgpu::TextureUsages::COPY_DST;
+            }
             if storage && !depth {
                 usage |= wgpu::TextureUsages::STORAGE_BINDING;
             }

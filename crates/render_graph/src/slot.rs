@@ -51,16 +51,20 @@ slots! {
     F0_ROUGHNESS = "f0_roughness", Rgba16Float, One, "1";
     /// The other layers of the material, packed: clear coat, sheen, anisotropy, transmission, film.
     LAYERS = "layers", Rgba32Uint, One, "1";
-    /// Emitted radiance of the surface; of the environment where nothing is seen.
+    /// Emitted radiance of the surface.
     EMISSION = "emission", Rgba16Float, One, "W/(m² sr)";
-    /// Where the surface point was one frame ago minus where it is now, pixels, x right and y down; invalid is (−1e9, −1e9).
+    /// Radiance of the environment where no surface is seen, and of lights with an extent in front of what is seen.
+    BACKGROUND = "background", Rgba32Float, One, "W/(m² sr)";
+    /// Where the surface point is now minus where it was one frame ago, x right and y down; −1e9 where it was behind the camera.
     MOTION = "motion", Rg32Float, One, "px";
-    /// Instance + 1, material + 1, triangle of the mesh, flags; zeros where nothing is seen.
-    IDS = "ids", Rgba32Uint, One, "1";
+    /// Instance + 1; material + 1, with the highest bit set for unlit surfaces. Zeros where nothing is seen.
+    IDS = "ids", Rg32Uint, One, "1";
     /// V: the share of each light that the point sees.
     SHADOW_VISIBILITY = "shadow_visibility", R32Float, PerLight, "1";
     /// Reflected light that arrives straight from lights.
     DIRECT = "direct", Rgba32Float, One, "W/(m² sr)";
+    /// Copy of `direct` while another group of lights is added to it.
+    DIRECT_BEFORE = "direct_before", Rgba32Float, One, "W/(m² sr)";
     /// The linear picture before exposure.
     COLOR = "color", Rgba32Float, One, "W/(m² sr)";
     /// The picture after exposure and tone map, encoded for sRGB displays.

@@ -40,6 +40,8 @@ pub struct MakeContext<'a> {
     pub backend: TraceBackend,
     /// Length of the list of textures.
     pub textures: u32,
+    /// Shaders choose textures from a list; otherwise they read texels from a buffer.
+    pub bindless: bool,
 }
 
 impl MakeContext<'_> {
@@ -48,7 +50,7 @@ impl MakeContext<'_> {
     /// # Errors
     /// When the shader does not link or the device refuses it.
     pub fn shader(&self, name: &str, source: &str) -> Result<Shader, Error> {
-        Ok(Shader::new(self.device, shaders::link(name, source, self.backend, self.device.has_bindless_textures()))?)
+        Ok(Shader::new(self.device, shaders::link(name, source, self.backend, self.bindless))?)
     }
 }
 
@@ -96,6 +98,8 @@ pub struct FrameContext<'a> {
     pub indices: &'a wgpu::Buffer,
     /// Box around everything, world, m.
     pub bounds: [Vec3; 2],
+    /// Exposure in stops: a display shows radiance · 2^exposure.
+    pub exposure: f32,
     /// What the shared modules declare, by name: frame, scene, lights, trace.
     pub shared: Bindings<'a>,
 }

@@ -12,6 +12,7 @@ pub mod shadow;
 mod technique;
 #[cfg(test)]
 mod tests;
+pub mod tone;
 mod view;
 
 pub use error::Error;
@@ -23,7 +24,7 @@ pub use view::View;
 
 /// Every technique, in the order of every list.
 pub fn all() -> impl Iterator<Item = &'static Technique> {
-    shadow::ALL.iter().copied()
+    shadow::ALL.iter().chain(tone::ALL).copied()
 }
 
 /// The techniques of one role.

@@ -160,7 +160,10 @@ impl FromStr for Role {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let known = || Self::ALL.iter().map(|role| role.id()).collect::<Vec<_>>().join(", ");
-        Self::ALL.into_iter().find(|role| role.id() == text).ok_or_else(|| crate::Error::UnknownRole { got: text.to_owned(), known: known() })
+        Self::ALL
+            .into_iter()
+            .find(|role| role.id() == text)
+            .ok_or_else(|| crate::Error::UnknownRole { got: text.to_owned(), known: known() })
     }
 }
 

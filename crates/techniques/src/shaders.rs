@@ -8,7 +8,8 @@ macro_rules! files {
 }
 
 /// The modules.
-pub const FILES: &[SourceFile<'static>] = files!["frame", "gbuffer", "lights", "material", "scene", "trace"];
+pub const FILES: &[SourceFile<'static>] =
+    files!["frame", "gbuffer", "lights", "material", "raster", "reflect", "scene", "surface", "trace"];
 
 /// Links a root file against these modules and `shader_lib`.
 ///

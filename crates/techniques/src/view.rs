@@ -76,12 +76,7 @@ fn infinite_reversed(yfov: f32, aspect: f32, near: f32) -> Mat4 {
 /// Depth (far − d)/(far − near): 1 at the near plane, 0 at the far plane.
 fn parallel_reversed(half_width: f32, half_height: f32, near: f32, far: f32) -> Mat4 {
     let depth = 1.0 / (far - near);
-    Mat4::from_cols(
-        Vec4::X / half_width,
-        Vec4::Y / half_height,
-        Vec4::new(0.0, 0.0, depth, 0.0),
-        Vec4::new(0.0, 0.0, far * depth, 1.0),
-    )
+    Mat4::from_cols(Vec4::X / half_width, Vec4::Y / half_height, Vec4::new(0.0, 0.0, depth, 0.0), Vec4::new(0.0, 0.0, far * depth, 1.0))
 }
 
 #[cfg(test)]
@@ -92,7 +87,10 @@ mod tests {
 
     fn camera(projection: Projection) -> PlacedCamera {
         let camera = Camera { name: String::new(), projection, lens_radius: Meters(0.0), focus_distance: Meters(1.0), near: Meters(0.1) };
-        PlacedCamera { camera, world_from_view: Mat4::from_rotation_translation(glam::Quat::from_rotation_y(0.7), Vec3::new(1.0, 2.0, 3.0)) }
+        PlacedCamera {
+            camera,
+            world_from_view: Mat4::from_rotation_translation(glam::Quat::from_rotation_y(0.7), Vec3::new(1.0, 2.0, 3.0)),
+        }
     }
 
     const PERSPECTIVE: Projection = Projection::Perspective { yfov: Radians(0.8), aspect: None };

@@ -6,7 +6,4 @@ pub mod ray_traced;
 use crate::Technique;
 
 /// In the order of every list.
-pub const ALL: &[&Technique] = &[
-    &none::TECHNIQUE,
-    &ray_traced::TECHNIQUE,
-];
+pub const ALL: &[&Technique] = &[&none::TECHNIQUE, &ray_traced::TECHNIQUE];

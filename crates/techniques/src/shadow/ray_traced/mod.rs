@@ -53,7 +53,11 @@ impl RayTraced {
         Ok(Self {
             params: Params::from_values(values),
             pipeline: ComputePipeline::new(context.device, &shader, "trace_visibility", options)?,
-            uniform: context.device.buffer("shadow/ray-traced", size_of::<GpuParams>() as u64, BufferUsages::UNIFORM | BufferUsages::COPY_DST)?,
+            uniform: context.device.buffer(
+                "shadow/ray-traced",
+                size_of::<GpuParams>() as u64,
+                BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            )?,
             rays: context.device.buffer_with("shadow/ray-traced rays", &[0u32; 2], BufferUsages::STORAGE | BufferUsages::COPY_SRC)?,
         })
     }
@@ -61,12 +65,8 @@ impl RayTraced {
 
 impl Effect for RayTraced {
     fn prepare(&mut self, frame: &FrameContext) -> Result<(), Error> {
-        let params = GpuParams {
-            samples: self.params.samples,
-            first_light: frame.first_light,
-            light_count: frame.lights.len() as u32,
-            _padding: 0,
-        };
+        let params =
+            GpuParams { samples: self.params.samples, first_light: frame.first_light, light_count: frame.lights.len() as u32, _padding: 0 };
         self.uniform.write(&frame.device.queue, bytemuck::bytes_of(&params));
         Ok(())
     }

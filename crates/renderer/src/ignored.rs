@@ -1,0 +1,41 @@
+//! What this renderer does not simulate, found by looking at the scene: nothing is left out silently.
+
+use kajo_scene::{AlphaMode, Ignored, Material, Scene, Snapshot};
+
+/// The list for a scene seen by one of its cameras.
+pub(crate) fn find(scene: &Scene, snapshot: &Snapshot, camera: usize, direct_blend: bool) -> Vec<Ignored> {
+    let mut list = Vec::new();
+    let mut say = |place: String, feature: &str, consequence: &str| {
+        list.push(Ignored { file: scene.name.clone(), place, feature: feature.into(), consequence: consequence.into() });
+    };
+    for (index, material) in scene.materials.iter().enumerate() {
+        let used = snapshot.instances.iter().any(|instance| snapshot.meshes[instance.mesh].material == index);
+        if !used {
+            continue;
+        }
+        let place = || format!("material {index} \"{}\"", material.name);
+        if material.is_emissive() && !material.unlit {
+            say(place(), "emission as a light", "real-time: emissive surfaces are seen but do not light the scene");
+        }
+        if transmits(material) {
+            say(place(), "KHR_materials_transmission", "real-time: light does not pass the surface, what lies behind is not seen");
+        }
+        if material.alpha_mode == AlphaMode::Blend {
+            let consequence = "real-time: blended surfaces are lit without shadows, and sorted by mesh only";
+            let missing = "real-time: this adapter cannot blend 32-bit floats, blended surfaces are not drawn";
+            say(place(), "alpha mode BLEND", if direct_blend { consequence } else { missing });
+        }
+    }
+    if scene.environment.is_some() {
+        say(String::new(), "environment as a light", "real-time: the environment is seen but does not light the scene");
+    }
+    let placed = &snapshot.cameras[camera].camera;
+    if placed.lens_radius.0 > 0.0 {
+        say(format!("camera \"{}\"", placed.name), "thin lens", "real-time: everything is in focus");
+    }
+    list
+}
+
+fn transmits(material: &Material) -> bool {
+    material.transmission > 0.0
+}

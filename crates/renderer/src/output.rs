@@ -1,0 +1,59 @@
+//! What a frame leaves behind.
+
+use glam::{Vec2, Vec3};
+use kajo_image::Image;
+use kajo_render_graph::Timings;
+use kajo_scene::Ignored;
+use kajo_units::{LinearRgb, Srgb8};
+
+/// A rendered frame, on the CPU.
+#[derive(Clone, Debug)]
+pub struct FrameOutput {
+    /// The linear picture before exposure, W/(m² sr).
+    pub color: Image<LinearRgb>,
+    /// The picture for a display: exposed, tone mapped, encoded.
+    pub display: Image<Srgb8>,
+    /// Light reflected straight from lights, W/(m² sr).
+    pub direct: Image<LinearRgb>,
+    /// Role direct visibility: one image for each light of the snapshot, in its order.
+    pub visibility: Vec<Image<f32>>,
+    /// The G-buffer, when it was asked for.
+    pub gbuffer: Option<GBufferImages>,
+    /// What each pass took.
+    pub timings: Timings,
+    /// Bytes of everything that is alive on the device.
+    pub memory_bytes: u64,
+    /// Rays traced for the frame.
+    pub rays: u64,
+    /// Pixels lit, each counted once for each group of lights.
+    pub shaded_pixels: u32,
+    /// What this renderer does not simulate in this scene.
+    pub ignored: Vec<Ignored>,
+}
+
+/// The G-buffer, unpacked. Where nothing is seen the depth is infinite and the other values mean nothing.
+#[derive(Clone, Debug)]
+pub struct GBufferImages {
+    /// Distance along the viewing axis, m; infinite where nothing is seen.
+    pub depth: Image<f32>,
+    /// Position, world, m.
+    pub position: Image<Vec3>,
+    /// Shading normal, world, unit, on the viewer's side.
+    pub shading_normal: Image<Vec3>,
+    /// Geometric normal, world, unit, on the viewer's side.
+    pub normal: Image<Vec3>,
+    /// Base colour.
+    pub albedo: Image<LinearRgb>,
+    /// Metalness.
+    pub metallic: Image<f32>,
+    /// Reflectance of the base layer at normal incidence.
+    pub f0: Image<LinearRgb>,
+    /// Perceptual roughness.
+    pub roughness: Image<f32>,
+    /// Now minus one frame ago, px, x right and y down; −1e9 where the point was behind the camera.
+    pub motion: Image<Vec2>,
+    /// Index of the instance; `None` where nothing is seen.
+    pub instance: Image<Option<u32>>,
+    /// Index of the material; `None` where nothing is seen.
+    pub material: Image<Option<u32>>,
+}

@@ -1,0 +1,58 @@
+//! The passes that every frame has, whatever the techniques: G-buffer, background, direct light, transparent surfaces, picture.
+
+pub(crate) mod background;
+pub(crate) mod direct;
+pub(crate) mod gbuffer;
+pub(crate) mod picture;
+pub(crate) mod transparent;
+
+use kajo_render_graph::{Device, Shader, wgpu};
+use kajo_techniques::{TraceBackend, shaders};
+
+/// What a pipeline of this crate depends on.
+#[derive(Clone, Copy)]
+pub(crate) struct Setup<'a> {
+    pub device: &'a Device,
+    pub backend: TraceBackend,
+    pub bindless: bool,
+    pub textures: u32,
+}
+
+impl Setup<'_> {
+    pub fn shader(&self, name: &str, source: &str) -> Result<Shader, kajo_render_graph::Error> {
+        Shader::new(self.device, shaders::link(name, source, self.backend, self.bindless))
+    }
+}
+
+/// A colour attachment; cleared to zeros, or kept.
+pub(crate) fn attachment(view: &wgpu::TextureView, clear: bool) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    let load = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
+    Some(wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+    })
+}
+
+/// Triangles without culling: rays see both sides, and so does the rasteriser.
+pub(crate) const TRIANGLES: wgpu::PrimitiveState = wgpu::PrimitiveState {
+    topology: wgpu::PrimitiveTopology::TriangleList,
+    strip_index_format: None,
+    front_face: wgpu::FrontFace::Ccw,
+    cull_mode: None,
+    unclipped_depth: false,
+    polygon_mode: wgpu::PolygonMode::Fill,
+    conservative: false,
+};
+
+/// Reversed depth: nearer is greater.
+pub(crate) fn depth_state(write: bool) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: wgpu::TextureFormat::Depth32Float,
+        depth_write_enabled: Some(write),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
+}

@@ -1,0 +1,29 @@
+//! The sum of everything before exposure.
+
+use super::Setup;
+use kajo_render_graph::{Access, Bindings, ComputePipeline, Error, Graph, PipelineOptions, slot};
+use kajo_techniques::FrameContext;
+
+pub(crate) struct Picture {
+    pipeline: ComputePipeline,
+}
+
+impl Picture {
+    pub fn new(setup: Setup) -> Result<Self, Error> {
+        let shader = setup.shader("picture", include_str!("picture.wesl"))?;
+        let options = PipelineOptions { list_length: setup.textures, ..Default::default() };
+        Ok(Self { pipeline: ComputePipeline::new(setup.device, &shader, "add", options)? })
+    }
+
+    pub fn record<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>) {
+        let reads = [slot::EMISSION, slot::DIRECT, slot::BACKGROUND];
+        graph.pass(Access::new("picture").reads(&reads).writes(&[slot::COLOR]), move |pass| {
+            let own = Bindings::new()
+                .with("emission", pass.view(slot::EMISSION)?)
+                .with("direct", pass.view(slot::DIRECT)?)
+                .with("background", pass.view(slot::BACKGROUND)?)
+                .with("color", pass.view(slot::COLOR)?);
+            self.pipeline.dispatch(pass.device, pass.encoder, &frame.shared, &own, frame.size().extend(1))
+        });
+    }
+}

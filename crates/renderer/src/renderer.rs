@@ -1,0 +1,329 @@
+//! A scene on the device, and its frames.
+
+use crate::gpu::{GpuFrame, GpuLight};
+use crate::output::FrameOutput;
+use crate::passes::{
+    Setup, background::Background, direct::Direct, gbuffer::GBuffer, gbuffer::TARGETS, picture::Picture, transparent::Transparent,
+};
+use crate::settings::{Choice, FrameSettings, RendererSettings, RoleSelection};
+use crate::upload::geometry::Geometry;
+use crate::upload::textures::Textures;
+use crate::upload::trace::TraceScene;
+use crate::upload::{lights, materials};
+use crate::{Error, ignored, read};
+use glam::{Mat4, Vec3};
+use kajo_image::Image;
+use kajo_render_graph::wgpu::{self, BufferUsages};
+use kajo_render_graph::{Bindings, Buffer, Device, Graph, Pool, Timings, slot};
+use kajo_scene::{Environment, Ignored, Scene, Snapshot};
+use kajo_techniques::{Coverage, Effect, FrameContext, MakeContext, Role, TraceBackend, View};
+use kajo_units::LinearRgb;
+
+/// A scene on the device, ready to be rendered.
+pub struct Renderer {
+    device: Device,
+    settings: RendererSettings,
+    scene: Scene,
+    backend: TraceBackend,
+    current: Snapshot,
+    previous: Snapshot,
+    bounds: [Vec3; 2],
+    geometry: Geometry,
+    textures: Textures,
+    materials: Buffer,
+    lights: Buffer,
+    frame: Buffer,
+    trace: TraceScene,
+    gbuffer: GBuffer,
+    background: Background,
+    direct: Direct,
+    picture: Picture,
+    transparent: Option<Transparent>,
+    effects: Vec<(Choice, Box<dyn Effect>)>,
+    pool: Pool,
+}
+
+/// Slots that the first graph of a frame makes for those of the groups of lights.
+fn made_first() -> Vec<kajo_render_graph::Slot> {
+    TARGETS.into_iter().chain([slot::DEPTH, slot::BACKGROUND, slot::DIRECT]).collect()
+}
+
+impl Renderer {
+    /// Uploads the scene as `snapshot` has it and makes the pipelines that every frame needs.
+    ///
+    /// # Errors
+    /// A size of 0 or beyond the adapter's limit, a camera that is not there, a backend the adapter lacks, or a scene that does not fit.
+    pub fn new(device: &Device, scene: &Scene, snapshot: &Snapshot, settings: RendererSettings) -> Result<Self, Error> {
+        device.check_size(settings.size)?;
+        if settings.camera >= snapshot.cameras.len() {
+            return Err(Error::NoSuchCamera { got: settings.camera, count: snapshot.cameras.len() });
+        }
+        let backend = settings.backend.unwrap_or_else(|| TraceBackend::best(device));
+        if backend == TraceBackend::RayQuery && !device.has_ray_query() {
+            return Err(Error::NoRayQuery { adapter: device.info().name.clone() });
+        }
+        let limit = device.info().max_bindless_textures as usize;
+        let bindless = settings.bindless && limit > 0 && scene.textures.len() <= limit;
+        let textures = Textures::new(device, scene, bindless)?;
+        let geometry = Geometry::new(device, snapshot, snapshot, scene)?;
+        let trace = TraceScene::new(device, backend, snapshot, &geometry, None)?;
+        let setup = Setup { device, backend, bindless, textures: textures.count() };
+        let blendable = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
+        let count = snapshot.lights.len().max(1);
+        let layer = u64::from(settings.size.x) * u64::from(settings.size.y) * 4;
+        let layers = (settings.light_memory / layer).clamp(1, count.min(64) as u64) as u32;
+        let out = Self {
+            settings,
+            backend,
+            bounds: bounds(snapshot),
+            materials: device.buffer_with("materials", &materials::pack_all(scene), BufferUsages::STORAGE)?,
+            lights: device.buffer("lights", (count * size_of::<GpuLight>()) as u64, BufferUsages::STORAGE | BufferUsages::COPY_DST)?,
+            frame: device.buffer("frame", size_of::<GpuFrame>() as u64, BufferUsages::UNIFORM | BufferUsages::COPY_DST)?,
+            gbuffer: GBuffer::new(setup)?,
+            background: Background::new(setup, scene.environment.as_ref())?,
+            direct: Direct::new(setup, settings.light_samples)?,
+            picture: Picture::new(setup)?,
+            transparent: if blendable { Some(Transparent::new(setup, settings.light_samples)?) } else { None },
+            effects: Vec::new(),
+            pool: Pool::new(settings.size, layers),
+            geometry,
+            textures,
+            trace,
+            current: snapshot.clone(),
+            previous: snapshot.clone(),
+            scene: scene.clone(),
+            device: device.clone(),
+        };
+        device.wait()?;
+        Ok(out)
+    }
+
+    /// Moves the scene to `current`; motion vectors are measured against `previous`, the snapshot of one frame ago. Both must be
+    /// snapshots of the scene that the renderer was made with.
+    ///
+    /// # Errors
+    /// When the device refuses.
+    pub fn set_snapshot(&mut self, current: &Snapshot, previous: &Snapshot) -> Result<(), Error> {
+        if self.settings.camera >= current.cameras.len() {
+            return Err(Error::NoSuchCamera { got: self.settings.camera, count: current.cameras.len() });
+        }
+        if !self.geometry.holds(current, previous) {
+            self.geometry = Geometry::new(&self.device, current, previous, &self.scene)?;
+        }
+        self.trace = TraceScene::new(&self.device, self.backend, current, &self.geometry, Some(&self.trace))?;
+        self.bounds = bounds(current);
+        self.current = current.clone();
+        self.previous = previous.clone();
+        self.device.wait()?;
+        Ok(())
+    }
+
+    /// What this renderer does not simulate in this scene.
+    pub fn ignored(&self) -> Vec<Ignored> {
+        ignored::find(&self.scene, &self.current, self.settings.camera, self.transparent.is_some())
+    }
+
+    /// Who traces rays.
+    pub fn backend(&self) -> TraceBackend {
+        self.backend
+    }
+
+    /// The camera of the frame.
+    pub fn view(&self, settings: &FrameSettings) -> View {
+        self.view_of(&self.current).jittered(settings.jitter)
+    }
+
+    /// Renders one frame and reads it back.
+    ///
+    /// # Errors
+    /// When a chosen technique cannot run on this device, or the device refuses or is lost.
+    pub fn render(&mut self, roles: &RoleSelection, settings: &FrameSettings) -> Result<FrameOutput, Error> {
+        let view = self.view(settings);
+        self.upload_frame(&view, settings);
+        let mut shadow = self.take_effect(roles, Role::DirectVisibility)?;
+        let mut tone = self.take_effect(roles, Role::ToneMap)?;
+        let rendered = self.run(&view, settings, &mut *shadow.1, &mut *tone.1);
+        self.effects.extend([shadow, tone]);
+        rendered
+    }
+
+    fn run(&mut self, view: &View, settings: &FrameSettings, shadow: &mut dyn Effect, tone: &mut dyn Effect) -> Result<FrameOutput, Error> {
+        let device = self.device.clone();
+        let mut pool = std::mem::take(&mut self.pool);
+        let rays_before = shadow.rays(&device)?;
+        let mut visibility: Vec<Image<f32>> = Vec::new();
+        let mut timings = Timings::default();
+
+        let first = self.context(view, settings, 0, 0);
+        let mut graph = Graph::new();
+        self.gbuffer.record(&first, &mut graph);
+        self.background.record(&first, &mut graph);
+        Direct::record_clear(&mut graph);
+        timings.merge(&graph.execute(&device, &mut pool)?);
+
+        let group = pool.lights() as usize;
+        for start in (0..self.current.lights.len()).step_by(group) {
+            let count = group.min(self.current.lights.len() - start);
+            let frame = self.context(view, settings, start, count);
+            shadow.prepare(&frame)?;
+            self.direct.prepare(&frame);
+            let mut graph = Graph::new();
+            graph.import(&made_first());
+            shadow.record(&frame, &mut graph);
+            self.direct.record(&frame, &mut graph);
+            timings.merge(&graph.execute(&device, &mut pool)?);
+            for layer in 0..count as u32 {
+                visibility.push(read::scalar(&device, &pool, slot::SHADOW_VISIBILITY, layer)?);
+            }
+        }
+
+        let last = self.context(view, settings, 0, 0);
+        let order = self.far_to_near(view);
+        tone.prepare(&last)?;
+        let mut graph = Graph::new();
+        graph.import(&made_first());
+        self.picture.record(&last, &mut graph);
+        if let (Some(transparent), false) = (&self.transparent, order.is_empty()) {
+            transparent.record(&last, &order, &mut graph);
+        }
+        tone.record(&last, &mut graph);
+        timings.merge(&graph.execute(&device, &mut pool)?);
+
+        let output = FrameOutput {
+            color: read::radiance(&device, &pool, slot::COLOR)?,
+            display: read::display(&device, &pool)?,
+            direct: read::radiance(&device, &pool, slot::DIRECT)?,
+            visibility,
+            gbuffer: if settings.gbuffer { Some(read::gbuffer(&device, &pool, view)?) } else { None },
+            timings,
+            memory_bytes: device.memory_bytes(),
+            rays: shadow.rays(&device)? - rays_before,
+            shaded_pixels: if self.current.lights.is_empty() { 0 } else { self.direct.shaded(&device)? },
+            ignored: self.ignored(),
+        };
+        self.pool = pool;
+        Ok(output)
+    }
+
+    /// The effect chosen for a role, taken out of those that were made before, or made now.
+    fn take_effect(&mut self, roles: &RoleSelection, role: Role) -> Result<(Choice, Box<dyn Effect>), Error> {
+        let choice = match roles.choice(role) {
+            Some(choice) => choice.clone(),
+            None => RoleSelection::default().choice(role).expect("every role that a frame needs has a default").clone(),
+        };
+        if let Some(index) = self.effects.iter().position(|(known, _)| *known == choice) {
+            return Ok(self.effects.swap_remove(index));
+        }
+        let context =
+            MakeContext { device: &self.device, backend: self.backend, textures: self.textures.count(), bindless: self.textures.is_list() };
+        let effect = choice.technique.build(&context, &choice.params)?;
+        Ok((choice, effect))
+    }
+
+    fn view_of(&self, snapshot: &Snapshot) -> View {
+        let camera = &snapshot.cameras[self.settings.camera.min(snapshot.cameras.len() - 1)];
+        let eye = camera.world_from_view.w_axis.truncate();
+        let [low, high] = self.bounds;
+        let far = (low - eye).abs().max((high - eye).abs()).length() * 1.001;
+        View::new(camera, self.settings.size, far)
+    }
+
+    /// Uploads camera, instances and lights.
+    fn upload_frame(&self, view: &View, settings: &FrameSettings) {
+        let device = &self.device;
+        let previous = self.view_of(&self.previous);
+        let environment = self.scene.environment.as_ref();
+        let clip_from_relative = view.jittered_clip_from_relative();
+        let frame = GpuFrame {
+            clip_from_relative: clip_from_relative.to_cols_array_2d(),
+            relative_from_clip: inverse(clip_from_relative).to_cols_array_2d(),
+            previous_clip_from_relative: previous.clip_from_relative().to_cols_array_2d(),
+            camera_position: view.position.to_array(),
+            index: settings.index,
+            previous_camera_position: previous.position.to_array(),
+            light_count: self.current.lights.len() as u32,
+            forward: view.relative_from_view.transform_vector3(Vec3::NEG_Z).to_array(),
+            near: view.near,
+            jitter: settings.jitter.to_array(),
+            size: view.size.to_array(),
+            environment_scale: environment.map_or(LinearRgb::BLACK, |e: &Environment| e.scale).0.to_array(),
+            environment_rotation: environment.map_or(0.0, |e| e.rotation.0),
+            perspective: u32::from(view.perspective),
+            environment_image: u32::from(environment.is_some_and(|e| e.image.is_some())),
+            padding: [0; 2],
+        };
+        self.frame.write(&device.queue, bytemuck::bytes_of(&frame));
+        self.geometry.place(device, &self.scene, &self.current, &self.previous, view.position, previous.position);
+        let lights: Vec<GpuLight> = self.current.lights.iter().map(|light| lights::pack(light, view.position)).collect();
+        self.lights.write(&device.queue, bytemuck::cast_slice(&lights));
+    }
+
+    /// What techniques are given for the lights `start..start + count`.
+    fn context(&self, view: &View, settings: &FrameSettings, start: usize, count: usize) -> FrameContext<'_> {
+        let shared = Bindings::new()
+            .with("frame", &self.frame)
+            .with("instances", &self.geometry.instances)
+            .with("positions", &self.geometry.positions)
+            .with("attributes", &self.geometry.attributes)
+            .with("indices", &self.geometry.indices)
+            .with("materials", &self.materials)
+            .with("lights", &self.lights);
+        FrameContext {
+            device: &self.device,
+            view: *view,
+            index: settings.index,
+            lights: &self.current.lights[start..start + count],
+            first_light: start as u32,
+            draws: &self.geometry.draws,
+            indices: &self.geometry.indices.wgpu,
+            bounds: self.bounds,
+            exposure: settings.exposure.or(self.scene.exposure).unwrap_or(0.0),
+            shared: self.trace.bind(self.textures.bind(shared)),
+        }
+    }
+
+    /// Blended draws, farthest first, by the distance of the middle of their boxes.
+    fn far_to_near(&self, view: &View) -> Vec<usize> {
+        let mut blended: Vec<(usize, f32)> = self
+            .geometry
+            .draws
+            .iter()
+            .enumerate()
+            .filter(|(_, draw)| draw.coverage == Coverage::Blend)
+            .map(|(index, _)| {
+                let instance = &self.current.instances[index];
+                let [low, high] = box_of(&self.current.meshes[instance.mesh].positions);
+                let middle = instance.world_from_object.transform_point3(0.5 * (low + high));
+                (index, middle.distance_squared(view.position))
+            })
+            .collect();
+        blended.sort_by(|a, b| b.1.total_cmp(&a.1));
+        blended.into_iter().map(|(index, _)| index).collect()
+    }
+}
+
+/// Inverted in double precision: an infinite far plane makes the numbers of the matrix uneven.
+fn inverse(m: Mat4) -> Mat4 {
+    m.as_dmat4().inverse().as_mat4()
+}
+
+fn box_of(points: &[Vec3]) -> [Vec3; 2] {
+    points.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)])
+}
+
+/// Box around everything that is placed; a unit box where nothing is.
+fn bounds(snapshot: &Snapshot) -> [Vec3; 2] {
+    let mut all = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+    for instance in &snapshot.instances {
+        let [low, high] = box_of(&snapshot.meshes[instance.mesh].positions);
+        if !low.is_finite() || !high.is_finite() {
+            continue;
+        }
+        for corner in 0..8 {
+            let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+            let world = instance.world_from_object.transform_point3(Vec3::new(pick(0), pick(1), pick(2)));
+            all = [all[0].min(world), all[1].max(world)];
+        }
+    }
+    if all[0].is_finite() && all[1].is_finite() { all } else { [Vec3::splat(-0.5), Vec3::splat(0.5)] }
+}

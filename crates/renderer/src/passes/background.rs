@@ -13,7 +13,7 @@ pub(crate) struct Background {
 
 impl Background {
     pub fn new(setup: Setup, environment: Option<&Environment>) -> Result<Self, Error> {
-        let shader = setup.shader("background", include_str!("background.wesl"))?;
+        let shader = setup.shader("passes/background", include_str!("background.wesl"))?;
         let state = RenderState {
             vertex: "vertex",
             fragment: Some("fragment"),
@@ -71,9 +71,9 @@ fn upload(device: &Device, environment: Option<&Environment>) -> Result<Texture,
         view_formats: &[],
     });
     let Some(image) = image else { return Ok(texture) };
-    let texels: Vec<half::f16> = (0..size.y)
+    let texels: Vec<u16> = (0..size.y)
         .flat_map(|y| (0..size.x).map(move |x| (x, y)))
-        .flat_map(|(x, y)| image.texel(x, y, ColorSpace::Linear).to_array().map(|c| half::f16::from_f32(c.clamp(0.0, 65504.0))))
+        .flat_map(|(x, y)| image.texel(x, y, ColorSpace::Linear).to_array().map(|c| half::f16::from_f32(c.clamp(0.0, 65504.0)).to_bits()))
         .collect();
     device.queue.write_texture(
         texture.wgpu.as_image_copy(),

@@ -26,7 +26,7 @@ pub(crate) struct Direct {
 impl Direct {
     /// `samples` of the unshadowed integral over lights with an extent.
     pub fn new(setup: Setup, samples: u32) -> Result<Self, Error> {
-        let shader = setup.shader("direct", include_str!("direct.wesl"))?;
+        let shader = setup.shader("passes/direct", include_str!("direct.wesl"))?;
         let options = PipelineOptions { list_length: setup.textures, ..Default::default() };
         let device = setup.device;
         Ok(Self {
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn the_uniform_is_laid_out_as_the_shader_reads_it() {
-        let linked = shaders::link("direct", include_str!("direct.wesl"), TraceBackend::Compute, true).unwrap();
+        let linked = shaders::link("passes/direct", include_str!("direct.wesl"), TraceBackend::Compute, true).unwrap();
         linked.check_layout::<GpuParams>("Params").unwrap();
     }
 }

@@ -15,7 +15,7 @@ pub(crate) struct GBuffer {
 
 impl GBuffer {
     pub fn new(setup: Setup) -> Result<Self, Error> {
-        let shader = setup.shader("gbuffer", include_str!("gbuffer.wesl"))?;
+        let shader = setup.shader("passes/gbuffer", include_str!("gbuffer.wesl"))?;
         let targets = TARGETS.map(|slot| wgpu::ColorTargetState::from(slot.format));
         let pipeline = |fragment| {
             let state = RenderState {

@@ -10,7 +10,7 @@ pub(crate) struct Picture {
 
 impl Picture {
     pub fn new(setup: Setup) -> Result<Self, Error> {
-        let shader = setup.shader("picture", include_str!("picture.wesl"))?;
+        let shader = setup.shader("passes/picture", include_str!("picture.wesl"))?;
         let options = PipelineOptions { list_length: setup.textures, ..Default::default() };
         Ok(Self { pipeline: ComputePipeline::new(setup.device, &shader, "add", options)? })
     }

@@ -27,7 +27,7 @@ pub(crate) struct Transparent {
 impl Transparent {
     /// `samples` of the unshadowed integral over lights with an extent.
     pub fn new(setup: Setup, samples: u32) -> Result<Self, Error> {
-        let shader = setup.shader("forward", include_str!("forward.wesl"))?;
+        let shader = setup.shader("passes/forward", include_str!("forward.wesl"))?;
         let target = wgpu::ColorTargetState { blend: Some(OVER), ..wgpu::ColorTargetState::from(slot::COLOR.format) };
         let state = RenderState {
             vertex: "vertex",

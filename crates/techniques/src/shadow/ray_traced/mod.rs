@@ -4,7 +4,7 @@
 mod tests;
 
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
-use kajo_params::{ParamSet, ParamValues, Params};
+use kajo_params::{ParamValues, Params};
 use kajo_render_graph::wgpu::BufferUsages;
 use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Device, Graph, PipelineOptions, readback, slot};
 

@@ -30,6 +30,7 @@ mod link;
 pub mod packing;
 pub mod random;
 mod reflect;
+mod tables;
 
 pub use error::ShaderError;
 pub use kajo_shader_lib_derive::ShaderLayout;
@@ -38,3 +39,4 @@ pub use library::{MODULES, Module, module};
 pub use link::{Linked, SourceFile, check_library, link, link_with};
 pub use naga;
 pub use reflect::{Binding, BindingKind, EntryPoint, Override, Stage, Texels};
+pub use tables::{BSDF_TABLES, bsdf_tables};

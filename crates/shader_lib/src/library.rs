@@ -18,8 +18,22 @@ macro_rules! modules {
 
 /// Every module of the library.
 pub const MODULES: &[Module] = modules![
-    "bsdf/energy", "bsdf/film", "bsdf/fresnel", "bsdf/material", "bsdf/microfacet", "bsdf/sheen", "bsdf/tables", "bsdf/thin_film",
-    "camera", "color", "light", "math", "packing", "random", "tone_map", "warp",
+    "bsdf/energy",
+    "bsdf/film",
+    "bsdf/fresnel",
+    "bsdf/material",
+    "bsdf/microfacet",
+    "bsdf/sheen",
+    "bsdf/tables",
+    "bsdf/thin_film",
+    "camera",
+    "color",
+    "light",
+    "math",
+    "packing",
+    "random",
+    "tone_map",
+    "warp",
 ];
 
 /// The module at `path` (with slashes).

@@ -3,6 +3,7 @@
 use glam::UVec3;
 use kajo_render_graph::readback::read_buffer;
 use kajo_render_graph::{Bindings, ComputePipeline, Device, PipelineOptions, Shader};
+use kajo_shader_lib::{BSDF_TABLES, bsdf_tables};
 use wgpu::BufferUsages;
 
 /// The device, or `None` with a line that says why: tests that need one are then skipped.
@@ -36,8 +37,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {{
         let input = device.buffer_with("rows", rows, BufferUsages::STORAGE)?;
         let output = device.buffer("results", (rows.len() * M * 4) as u64, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
         let mut encoder = device.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(name) });
+        let tables = device.buffer_with(BSDF_TABLES, &bsdf_tables(), BufferUsages::STORAGE)?;
+        let shared = Bindings::new().with(BSDF_TABLES, &tables);
         let bindings = Bindings::new().with("rows", &input).with("results", &output);
-        pipeline.dispatch(device, &mut encoder, &Bindings::new(), &bindings, UVec3::new(rows.len() as u32, 1, 1))?;
+        pipeline.dispatch(device, &mut encoder, &shared, &bindings, UVec3::new(rows.len() as u32, 1, 1))?;
         device.queue.submit([encoder.finish()]);
         read_buffer(device, &output.wgpu)
     };

@@ -23,7 +23,8 @@ pub fn sheen_lambda(alpha: f32, cos_theta: f32) -> f32 {
     let mix = |rough: f32, smooth: f32| rough + t * (smooth - rough);
     let (a, b) = (mix(21.5473, 25.3245), mix(3.82987, 3.32435));
     let (c, d, e) = (mix(0.19823, 0.16801), mix(-1.97760, -1.27393), mix(-4.32054, -4.85967));
-    let l = |x: f32| a / (1.0 + b * x.powf(c)) + d * x + e;
+    // A cosine that rounding left above 1 would be the power of a negative number.
+    let l = |x: f32| a / (1.0 + b * x.max(0.0).powf(c)) + d * x + e;
     if cos_theta < 0.5 { l(cos_theta).exp() } else { (2.0 * l(0.5) - l(1.0 - cos_theta)).exp() }
 }
 
@@ -74,6 +75,12 @@ mod tests {
         for alpha in [0.01, 0.3, 1.0] {
             assert!((sheen_lambda(alpha, 0.499_99) / sheen_lambda(alpha, 0.500_01) - 1.0).abs() < 1e-3);
         }
+    }
+
+    #[test]
+    fn a_cosine_rounded_above_one_is_one() {
+        let above = f32::from_bits(1.0f32.to_bits() + 1);
+        assert!((sheen_visibility(0.5, above, 0.7) / sheen_visibility(0.5, 1.0, 0.7) - 1.0).abs() < 1e-3);
     }
 
     #[test]

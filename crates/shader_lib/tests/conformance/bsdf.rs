@@ -140,7 +140,7 @@ fn sheen_functions_match() {
         fn eval(x: array<f32, 3>) -> array<f32, 3> {
             return array(sheen_d(x[0], x[1]), sheen_lambda(x[0], x[2]), sheen_visibility(x[0], max(x[1], 1e-3), x[2]));
         }";
-    let twin = |x: [f32; 3]| [sheen_d(x[0], x[1]), sheen_lambda(x[0], x[2]), sheen_visibility(x[0], max(x[1], 1e-3), x[2])];
+    let twin = |x: [f32; 3]| [sheen_d(x[0], x[1]), sheen_lambda(x[0], x[2]), sheen_visibility(x[0], x[1].max(1e-3), x[2])];
     // sin^(1/α) with 1/α up to 100 multiplies the error of a logarithm by 50.
     conform("sheen", shader, &rows, twin, Tolerance { relative: 1e-3, absolute: 1e-5 });
 }

@@ -6,5 +6,4 @@ mod color;
 mod compare;
 mod gpu;
 mod lights;
-mod material;
 mod points;

@@ -51,7 +51,7 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     let mut metadata = provenance();
     metadata.extend(stats.as_object().into_iter().flatten().map(|(key, value)| (key.clone(), value.to_string())));
     let picture = Picture { image: frame.beauty(), layers: layers(&frame), metadata, scene_exposure: scene.exposure };
-    picture.write(arguments, &output.to_path_buf())?;
+    picture.write(arguments, output)?;
     if let Some(path) = &arguments.stats {
         kajo_image::write_atomic(path, serde_json::to_string_pretty(&stats)?.as_bytes())?;
     }

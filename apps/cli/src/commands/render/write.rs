@@ -5,7 +5,7 @@ use crate::failure::{Failure, Outcome};
 use kajo_image::{ExrFile, Image, Layer, auto_exposure, tone_map, write_hdr, write_png};
 use kajo_units::LinearRgb;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Formats that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,7 +68,7 @@ impl Picture<'_> {
     ///
     /// # Errors
     /// Those of the format's writer.
-    pub fn write(mut self, arguments: &Render, path: &PathBuf) -> Outcome {
+    pub fn write(mut self, arguments: &Render, path: &Path) -> Outcome {
         match Format::of(path)? {
             Format::Hdr => write_hdr(path, self.image)?,
             Format::Exr => {

@@ -1,0 +1,125 @@
+//! `kajo render --renderer realtime`: one frame of the real-time renderer with chosen techniques.
+
+use super::write::{Picture, provenance};
+use crate::arguments::{Common, Render};
+use crate::failure::{Failure, Outcome};
+use crate::{output, view};
+use kajo_image::Layer;
+use kajo_render_graph::Device;
+use kajo_renderer::{FrameOutput, FrameSettings, GBufferImages, Renderer, RendererSettings, RoleSelection};
+use kajo_scene::{Scene, Snapshot};
+use kajo_techniques::{Error, Role};
+use kajo_units::Seconds;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::Instant;
+
+/// Renders the scene at `time` into `output`.
+pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output: &Path) -> Outcome {
+    let roles = roles(&arguments.technique)?;
+    let (snapshot, camera) = view::snapshot(scene, &arguments.view, time)?;
+    let previous = Snapshot::new(scene, Seconds((time - 1.0 / arguments.fps) as f32));
+    let size = view::image_size(arguments.size.map(|size| size.0), &snapshot.cameras[camera]);
+    let device = Device::new()?;
+    let settings = RendererSettings { camera, ..RendererSettings::new(size) };
+    let mut renderer = Renderer::new(&device, scene, &snapshot, settings)?;
+    renderer.set_snapshot(&snapshot, &previous)?;
+    if !common.quiet {
+        renderer.ignored().iter().for_each(|ignored| eprintln!("note: {ignored}"));
+    }
+    let seed = arguments.tracing.seed as u32;
+    let begin = Instant::now();
+    let frame = renderer.render(&roles, &FrameSettings { index: seed, gbuffer: !arguments.aov.is_empty(), ..Default::default() })?;
+    let stats = stats(&device, &renderer, &roles, &frame, begin.elapsed().as_secs_f64());
+
+    let lights: Vec<&str> = snapshot.lights.iter().map(|placed| placed.light.name.as_str()).collect();
+    let mut metadata = provenance();
+    metadata.insert("adapter".into(), device.info().name.clone());
+    let layers = chosen_layers(&arguments.aov, layers(&frame, &lights))?;
+    Picture { image: &frame.color, layers, metadata, scene_exposure: scene.exposure }.write(arguments, output)?;
+    if let Some(path) = &arguments.stats {
+        kajo_image::write_atomic(path, serde_json::to_string_pretty(&stats)?.as_bytes())?;
+    }
+    if common.json {
+        return output::json(&stats);
+    }
+    if common.quiet {
+        return Ok(());
+    }
+    output::text(&format!("{}: {:.2} ms on {}\n", output.display(), frame.timings.total_ms(), device.info().name))
+}
+
+/// The techniques of `--technique`, the default of each role elsewhere.
+fn roles(words: &[String]) -> Outcome<RoleSelection> {
+    let usage = |error: Error| Failure::Usage(error.into());
+    let mut roles = RoleSelection::new();
+    for word in words {
+        let (role, rest) = word
+            .split_once('=')
+            .filter(|(role, _)| !role.contains(['/', ':']))
+            .ok_or_else(|| Failure::usage(format!("--technique takes ROLE=ID[:param=value,…]; got `{word}`")))?;
+        let role: Role = role.parse().map_err(usage)?;
+        let (id, params) = rest.split_once(':').unwrap_or((rest, ""));
+        let technique = kajo_techniques::find(id).map_err(usage)?;
+        if technique.role != role {
+            return Err(Failure::usage(format!("{id} fills the role {}, not {role}", technique.role)));
+        }
+        if role == Role::ToneMap {
+            return Err(Failure::usage("the tone map is chosen by --tone-map"));
+        }
+        let pairs = kajo_params::parse_pairs(params).map_err(|error| Failure::Usage(error.into()))?;
+        roles = roles.with(technique, technique.parse_params(&pairs).map_err(usage)?);
+    }
+    Ok(roles)
+}
+
+/// Everything the frame left, under the names that the path tracer's images have.
+fn layers(frame: &FrameOutput, lights: &[&str]) -> Vec<Layer> {
+    let mut layers = vec![Layer::color("direct", &frame.direct)];
+    layers.extend(lights.iter().zip(&frame.visibility).map(|(name, image)| Layer::scalar(format!("visibility.{name}"), image)));
+    if let Some(GBufferImages { depth, position, shading_normal, normal, albedo, motion, instance, material, .. }) = &frame.gbuffer {
+        let id = |image: &kajo_image::Image<Option<u32>>| image.map(|id| id.map_or(-1.0, |id| id as f32));
+        layers.extend([
+            Layer::color("albedo", albedo),
+            Layer::vector("normal", normal),
+            Layer::vector("shading-normal", shading_normal),
+            Layer::scalar("depth", depth),
+            Layer::vector("position", position),
+            Layer::vector("motion", &motion.map(|m| m.extend(0.0))),
+            Layer::scalar("instance-id", &id(instance)),
+            Layer::scalar("material-id", &id(material)),
+        ]);
+    }
+    layers
+}
+
+/// The layers that `--aov` names; `all` is every one, `visibility.*` those of every light.
+fn chosen_layers(words: &[String], layers: Vec<Layer>) -> Outcome<Vec<Layer>> {
+    let matches = |word: &str, name: &str| word == "all" || word == name || word.strip_suffix('*').is_some_and(|start| name.starts_with(start));
+    for word in words.iter().filter(|word| *word != "beauty") {
+        if !layers.iter().any(|layer| matches(word, &layer.name)) {
+            let known: Vec<&str> = layers.iter().map(|layer| layer.name.as_str()).collect();
+            return Err(Failure::usage(format!("output image `{word}` does not exist; the real-time renderer has {}", known.join(", "))));
+        }
+    }
+    Ok(layers.into_iter().filter(|layer| words.iter().any(|word| matches(word, &layer.name))).collect())
+}
+
+fn stats(device: &Device, renderer: &Renderer, roles: &RoleSelection, frame: &FrameOutput, seconds: f64) -> Value {
+    let techniques: serde_json::Map<String, Value> =
+        Role::ALL.iter().filter_map(|role| Some((role.id().to_string(), roles.technique(*role)?.id.into()))).collect();
+    json!({
+        "width": frame.color.width(),
+        "height": frame.color.height(),
+        "render_seconds": seconds,
+        "rays": frame.rays,
+        "gpu_ms": frame.timings.total_ms(),
+        "passes": frame.timings.passes.iter().map(|(name, ms)| json!({ "name": name, "ms": ms })).collect::<Vec<_>>(),
+        "timed_on_device": frame.timings.on_device,
+        "memory_bytes": frame.memory_bytes,
+        "adapter": device.info().name,
+        "driver": device.info().driver,
+        "trace_backend": renderer.backend().id(),
+        "techniques": techniques,
+    })
+}

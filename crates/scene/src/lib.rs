@@ -13,6 +13,7 @@ mod files;
 pub mod framing;
 pub mod gltf;
 pub mod kajo_toml;
+pub mod lighting;
 mod limits;
 mod load;
 mod merge;

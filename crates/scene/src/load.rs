@@ -1,9 +1,9 @@
 //! From what the user types to a scene that can be rendered.
 
 use crate::{
-    Camera, Environment, Ignored, Node, Scene, SceneError, Transform, builtin, framing, kajo_toml, load_environment, load_gltf, load_obj,
+    Camera, Ignored, Node, Scene, SceneError, Transform, builtin, framing, kajo_toml, lighting, load_environment, load_gltf, load_obj,
 };
-use kajo_units::LinearRgb;
+
 use std::path::{Path, PathBuf};
 
 /// How to load a scene.
@@ -15,7 +15,7 @@ pub struct LoadOptions {
 
 /// Loads the scene that `reference` names: a path ending in `.gltf`, `.glb`, `.obj` or `.toml`, or `builtin:NAME[:N]`.
 ///
-/// A scene without a camera gets one that frames it ([`framing`]); one without any light gets a uniform white environment of radiance 1, and
+/// A scene without a camera gets one that frames it ([`framing`]); one without any light gets one ([`lighting`]), and
 /// [`Scene::ignored`] says so.
 ///
 /// # Errors
@@ -27,9 +27,14 @@ pub fn load(reference: &str, options: &LoadOptions) -> Result<Scene, SceneError>
         scene.environment = Some(environment);
         scene.ignored.extend(ignored);
     }
-    add_camera(&mut scene);
-    add_light(&mut scene);
+    complete(&mut scene);
     Ok(scene)
+}
+
+/// Adds the camera and the light that a scene lacks.
+pub(crate) fn complete(scene: &mut Scene) {
+    add_camera(scene);
+    add_light(scene);
 }
 
 /// The scene that a reference of the user names, as its file has it.
@@ -90,19 +95,15 @@ fn add_light(scene: &mut Scene) {
     if placed_light || emissive || scene.environment.is_some() {
         return;
     }
-    scene.environment = Some(Environment::uniform(LinearRgb::WHITE));
-    scene.ignored.push(Ignored {
-        file: scene.name.clone(),
-        place: String::new(),
-        feature: "no light".into(),
-        consequence: "a uniform white environment of radiance 1 was added; give an environment with --env".into(),
-    });
+    let consequence = lighting::light(scene).into();
+    scene.ignored.push(Ignored { file: scene.name.clone(), place: String::new(), feature: "no light".into(), consequence });
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Material, Mesh, shapes};
+    use kajo_units::LinearRgb;
     use std::sync::Arc;
 
     fn bare() -> Scene {
@@ -116,13 +117,12 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_without_light_gets_a_white_environment_and_a_note() {
+    fn a_scene_without_light_gets_some_and_a_note() {
         let mut scene = bare();
         add_light(&mut scene);
-        let environment = scene.environment.unwrap();
-        assert_eq!((environment.scale, environment.image.is_none()), (LinearRgb::WHITE, true));
+        assert!(scene.environment.is_some() && scene.lights.len() == 1);
         assert_eq!(scene.ignored.len(), 1);
-        assert!(scene.ignored[0].to_string().starts_with("bare: no light: a uniform white environment"), "{}", scene.ignored[0]);
+        assert!(scene.ignored[0].to_string().starts_with("bare: no light: a key light"), "{}", scene.ignored[0]);
     }
 
     #[test]

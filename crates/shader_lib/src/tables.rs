@@ -1,11 +1,12 @@
 //! The albedo tables of `kajo_bsdf` in one buffer, as `shader_lib::bsdf::tables` reads them.
 
-use kajo_bsdf::tables::{self, HAT_AXIS_NODES, HAT_NODES};
+use kajo_bsdf::tables::{self, HAT_AXIS_NODES, HAT_NODES, ROUGHNESS_NODES};
 
 /// Name of the buffer's binding: bind [`bsdf_tables`] under it wherever a shader imports the material.
 pub const BSDF_TABLES: &str = "bsdf_tables";
 
-/// GGX albedo and its average (pairs of factors of f0 and f90), sheen, glass, hat functions and their averages, one after the other.
+/// GGX albedo and its average (pairs of factors of f0 and f90), sheen, glass, hat functions and their averages, anisotropic white albedo
+/// and its average, one after the other.
 pub fn bsdf_tables() -> Vec<f32> {
     let mut out = Vec::new();
     out.extend(tables::GGX_ALBEDO.as_flattened());
@@ -13,26 +14,38 @@ pub fn bsdf_tables() -> Vec<f32> {
     out.extend(tables::SHEEN_ALBEDO);
     out.extend(tables::GLASS_ALBEDO);
     out.extend(tables::GGX_HAT_ALBEDO);
-    out.extend((0..HAT_AXIS_NODES).flat_map(hat_albedo_average));
+    out.extend((0..ROUGHNESS_NODES).flat_map(hat_albedo_average));
+    out.extend(tables::GGX_ANISO_ALBEDO);
+    out.extend(tables::GGX_ANISO_ALBEDO_AVERAGE);
     out
 }
 
-/// Cosine-weighted means over directions of the hat functions' albedos, row `roughness` of the table: 2 ∫ E_k(c) c dc by 64 midpoints, as
-/// the CPU integrates it.
+/// Cosine-weighted means over directions of the hat functions' albedos at node `roughness` of the finer axis, scaled so that they sum to
+/// the white albedo at every angle: what the CPU integrates for each material, by midpoints in cos².
 fn hat_albedo_average(roughness: usize) -> [f32; HAT_NODES] {
-    const STEPS: usize = 64;
+    const STEPS: usize = 48;
+    let perceptual = roughness as f32 / (ROUGHNESS_NODES - 1) as f32;
+    let (r, tr) = place(perceptual);
     let mut sum = [0.0; HAT_NODES];
     for step in 0..STEPS {
-        let c = (step as f32 + 0.5) / STEPS as f32;
-        let at = c.sqrt() * (HAT_AXIS_NODES - 1) as f32;
-        let node = (at as usize).min(HAT_AXIS_NODES - 2);
-        let weight = at - node as f32;
-        let row = &tables::GGX_HAT_ALBEDO[(roughness * HAT_AXIS_NODES + node) * HAT_NODES..][..2 * HAT_NODES];
-        for (k, sum) in sum.iter_mut().enumerate() {
-            *sum += (row[k] + weight * (row[k + HAT_NODES] - row[k])) * 2.0 * c / STEPS as f32;
-        }
+        let cos_theta = ((step as f32 + 0.5) / STEPS as f32).sqrt();
+        let (c, tc) = place(cos_theta.sqrt());
+        let row = |r: usize, c: usize| &tables::GGX_HAT_ALBEDO[(r * HAT_AXIS_NODES + c) * HAT_NODES..][..HAT_NODES];
+        let corners = [row(r, c), row(r, c + 1), row(r + 1, c), row(r + 1, c + 1)];
+        let weights = [(1.0 - tr) * (1.0 - tc), (1.0 - tr) * tc, tr * (1.0 - tc), tr * tc];
+        let hats: [f32; HAT_NODES] = std::array::from_fn(|k| (0..4).map(|i| weights[i] * corners[i][k]).sum());
+        let white = kajo_bsdf::ggx_albedo(perceptual * perceptual, cos_theta).white();
+        let scale = white / hats.iter().sum::<f32>().max(1e-3) / STEPS as f32;
+        sum.iter_mut().zip(hats).for_each(|(sum, hat)| *sum += hat * scale);
     }
     sum
+}
+
+/// Node of the coarse axis below `x` in [0, 1], and the weight of the one above.
+fn place(x: f32) -> (usize, f32) {
+    let at = x * (HAT_AXIS_NODES - 1) as f32;
+    let node = (at as usize).min(HAT_AXIS_NODES - 2);
+    (node, at - node as f32)
 }
 
 #[cfg(test)]
@@ -42,8 +55,8 @@ mod tests {
     /// The hat functions sum to one, so their averages sum to Ē of the white albedo.
     #[test]
     fn hat_averages_sum_to_the_white_average() {
-        for roughness in [3, 8, 15] {
-            let perceptual = roughness as f32 / (HAT_AXIS_NODES - 1) as f32;
+        for roughness in [3, 15, 31] {
+            let perceptual = roughness as f32 / (ROUGHNESS_NODES - 1) as f32;
             let sum: f32 = hat_albedo_average(roughness).iter().sum();
             let white = kajo_bsdf::ggx_albedo_average(perceptual * perceptual).white();
             assert!((sum - white).abs() < 4e-3, "roughness {perceptual}: {sum} {white}");

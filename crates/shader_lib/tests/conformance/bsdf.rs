@@ -12,13 +12,13 @@ use kajo_sampling::{Rng, warp};
 use kajo_units::Alpha;
 
 /// A direction above the surface; every fourth one within a degree of the horizon.
-fn above(rng: &mut Rng, index: usize) -> Vec3 {
+pub fn above(rng: &mut Rng, index: usize) -> Vec3 {
     let d = warp::uniform_hemisphere(rng.next_2d());
     if index.is_multiple_of(4) { Vec3::new(d.x, d.y, 0.02 * rng.next_1d() + 1e-4).normalize() } else { d }
 }
 
 /// The perceptual roughness of row `index`: both ends of the range come often.
-fn roughness(rng: &mut Rng, index: usize) -> f32 {
+pub fn roughness(rng: &mut Rng, index: usize) -> f32 {
     match index % 8 {
         0 => 1.0,
         1 => 0.04,

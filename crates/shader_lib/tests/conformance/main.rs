@@ -6,4 +6,5 @@ mod color;
 mod compare;
 mod gpu;
 mod lights;
+mod material;
 mod points;

@@ -90,8 +90,7 @@ fn source_with_suite(own: &str, suite: &str) -> Option<String> {
         return Some(format!("Types: deb\nURIs: {uri}\nSuites: {suite}\nComponents: main\n{key}"));
     }
     let line = own.lines().map(str::trim).find(|line| line.starts_with("deb "))?;
-    let mut words = line.split_whitespace().skip(1).skip_while(|word| word.starts_with('[') || word.ends_with(']'));
-    let uri = words.next()?;
+    let uri = line.split_whitespace().find(|word| word.contains("://"))?;
     Some(format!("Types: deb\nURIs: {uri}\nSuites: {suite}\nComponents: main\nSigned-By: /usr/share/keyrings/debian-archive-keyring.gpg\n"))
 }
 

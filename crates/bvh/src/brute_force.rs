@@ -1,7 +1,7 @@
 //! The definition of the answer: every triangle of every instance, one after the other.
 
 use crate::{
-    lanes::{Lanes, Portable},
+    lanes::{Crossings, Lanes, Portable},
     ray::{Filter, Hit, Ray},
     tlas::Tlas,
     traverse::Nearest,
@@ -32,18 +32,15 @@ impl Tlas {
             return;
         }
         for placed in self.placed().iter().filter(|p| p.mask & filter.mask != 0) {
-            let local = placed.local_ray(ray);
-            if !local.is_usable() {
-                continue;
-            }
+            let Some(local) = placed.local_ray(ray) else { continue };
             let sheared = ShearedRay::new(&local);
+            let mut crossings = Crossings::default();
             for block in self.blases()[placed.blas as usize].blocks() {
-                let candidates = Portable::triangles(&sheared, block);
-                for lane in (0..BLOCK_SIZE).filter(|lane| candidates >> lane & 1 == 1) {
-                    let Some(crossing) = sheared.cross_lane(block, lane) else { continue };
-                    let primitive = block.primitives[lane];
-                    let hit = Hit { t: crossing.t, u: crossing.u, v: crossing.v, primitive, instance: placed.instance };
-                    if hit.t > ray.t_min && hit.t < ray.t_max && filter.exclude != Some(hit.primitive_ref()) {
+                let crossed = Portable::triangles(&sheared, block, ray.t_min, ray.t_max, &mut crossings);
+                for lane in (0..BLOCK_SIZE).filter(|lane| crossed >> lane & 1 == 1) {
+                    let (t, u, v) = (crossings.t[lane], crossings.u[lane], crossings.v[lane]);
+                    let hit = Hit { t, u, v, primitive: block.primitives[lane], instance: placed.instance };
+                    if hit.t < ray.t_max && filter.exclude != Some(hit.primitive_ref()) {
                         visit(hit, placed.opaque);
                     }
                 }

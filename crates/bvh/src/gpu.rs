@@ -271,7 +271,7 @@ fn enter_box(slab: &SlabRay, node: &FlatNode, limit: f32) -> Option<f32> {
     let (mut near, mut far) = (slab.t_min, limit);
     for axis in 0..3 {
         let planes = [node.min[axis], node.max[axis]];
-        let side = slab.near_plane[axis] & 1;
+        let side = usize::from(slab.reciprocal[axis] < 0.0);
         near = near.max(planes[side] * slab.reciprocal[axis] + slab.near[axis]);
         far = far.min(planes[side ^ 1] * slab.reciprocal[axis] + slab.far[axis]);
     }

@@ -1,7 +1,7 @@
 //! Rays, hits and what a ray may see.
 
 use crate::triangle::MAX_COORDINATE;
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 /// A half-open line: the points `origin + t · direction` with `t_min < t < t_max`, both ends excluded.
 ///
@@ -37,11 +37,12 @@ impl Ray {
     }
 
     /// Whether the ray can hit anything at all.
+    #[inline(always)]
     pub(crate) fn is_usable(&self) -> bool {
-        self.origin.abs().cmple(Vec3::splat(MAX_COORDINATE)).all()
-            && self.direction.is_finite()
-            && self.direction != Vec3::ZERO
-            && self.t_min < self.t_max
+        let (origin, direction) = (Vec3A::from(self.origin).abs(), Vec3A::from(self.direction).abs());
+        // Comparisons with NaN are false.
+        let finite = origin.cmple(Vec3A::splat(MAX_COORDINATE)) & direction.cmple(Vec3A::MAX);
+        finite.all() && direction.max_element() > 0.0 && self.t_min < self.t_max
     }
 }
 

@@ -6,7 +6,8 @@
 //! most 4 ε (D + |o|). So the planes are moved apart by e = 16 ε (D + |o|), once a ray: the idea of [Woop13] section 4 and of [Ize13], but in
 //! the ray's constants, so that a box costs six multiply-adds and no correction. `|o|` is the greatest coordinate of the origin.
 
-use crate::{aabb::Aabb, ray::Ray};
+use crate::{aabb::Aabb, ray::Ray, wide::WIDTH};
+use glam::Vec3A;
 
 /// 16 ε: the margin in units of D + |o|.
 pub const MARGIN: f32 = 1.0 / 1048576.0;
@@ -19,13 +20,14 @@ const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 40) as f32;
 #[derive(Clone, Copy, Debug)]
 pub struct SlabRay {
     /// 1/d, of components kept away from zero.
-    pub reciprocal: [f32; 3],
+    pub reciprocal: Vec3A,
     /// −(o + e sign d)/d: makes near distances smaller.
-    pub near: [f32; 3],
+    pub near: Vec3A,
     /// −(o − e sign d)/d: makes far distances greater.
-    pub far: [f32; 3],
-    /// Which of `[min x, max x, min y, max y, min z, max z]` is the near plane of each axis; the far plane is that with the last bit flipped.
-    pub near_plane: [usize; 3],
+    pub far: Vec3A,
+    /// Where the near and the far planes of each axis start among the floats of a [`Node`](crate::wide::Node): multiples of [`WIDTH`].
+    pub(crate) near_planes: [usize; 3],
+    pub(crate) far_planes: [usize; 3],
     /// Start of the ray.
     pub t_min: f32,
 }
@@ -34,19 +36,22 @@ impl SlabRay {
     /// Prepares a ray for boxes inside `bounds`, with `e` = `margin` · (D + |o|) + `extra`.
     #[inline(always)]
     pub fn new(ray: &Ray, bounds: &Aabb, margin: f32, extra: f32) -> Self {
-        let distance = (bounds.min - ray.origin).abs().max((bounds.max - ray.origin).abs()).max_element();
-        let e = margin * (distance + ray.origin.abs().max_element()) + extra;
-        let least = ray.direction.abs().max_element() * LEAST_COMPONENT;
-        let mut slab = Self { reciprocal: [0.0; 3], near: [0.0; 3], far: [0.0; 3], near_plane: [0; 3], t_min: ray.t_min };
-        for axis in 0..3 {
-            let (d, o) = (ray.direction[axis], ray.origin[axis]);
-            let r = 1.0 / if d.abs() >= least { d } else { least.copysign(d) };
-            let outwards = e.copysign(r);
-            slab.reciprocal[axis] = r;
-            slab.near[axis] = -(o + outwards) * r;
-            slab.far[axis] = -(o - outwards) * r;
-            slab.near_plane[axis] = 2 * axis + usize::from(r < 0.0);
+        let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
+        let distance = (Vec3A::from(bounds.min) - origin).abs().max((Vec3A::from(bounds.max) - origin).abs());
+        let e = margin * (distance.max_element() + origin.abs().max_element()) + extra;
+        let size = direction.abs();
+        let least = Vec3A::splat(size.max_element() * LEAST_COMPONENT);
+        let reciprocal = 1.0 / size.max(least).copysign(direction);
+        let outwards = Vec3A::splat(e).copysign(direction);
+        let negative = direction.is_negative_bitmask() as usize;
+        let side = [negative & 1, negative >> 1 & 1, negative >> 2 & 1];
+        Self {
+            reciprocal,
+            near: -(origin + outwards) * reciprocal,
+            far: -(origin - outwards) * reciprocal,
+            near_planes: [WIDTH * side[0], WIDTH * (2 + side[1]), WIDTH * (4 + side[2])],
+            far_planes: [WIDTH * (1 - side[0]), WIDTH * (3 - side[1]), WIDTH * (5 - side[2])],
+            t_min: ray.t_min,
         }
-        slab
     }
 }

@@ -16,16 +16,26 @@ pub struct Waiting {
     pub t_near: f32,
 }
 
-/// Left uninitialised: clearing 4.5 KiB would cost as much as a third of a ray.
-pub struct Stack {
-    entries: [MaybeUninit<Waiting>; CAPACITY],
+/// Place for a stack. Left uninitialised: clearing 4.5 KiB would cost as much as a third of a ray.
+pub struct Storage([MaybeUninit<Waiting>; CAPACITY]);
+
+impl Storage {
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self([const { MaybeUninit::uninit() }; CAPACITY])
+    }
+}
+
+/// Apart from its storage, so that the length can live in a register.
+pub struct Stack<'a> {
+    entries: &'a mut [MaybeUninit<Waiting>; CAPACITY],
     len: usize,
 }
 
-impl Stack {
+impl<'a> Stack<'a> {
     #[inline(always)]
-    pub fn new() -> Self {
-        Self { entries: [const { MaybeUninit::uninit() }; CAPACITY], len: 0 }
+    pub fn new(storage: &'a mut Storage) -> Self {
+        Self { entries: &mut storage.0, len: 0 }
     }
 
     #[inline(always)]

@@ -1,15 +1,17 @@
 //! The upper level: meshes placed in the world.
 
+#[cfg(target_arch = "x86_64")]
+use crate::lanes::Avx2;
 use crate::{
     aabb::Aabb,
     blas::Blas,
     build::{BinaryTree, BuildOptions, Cost, Item},
     counters::{Count, NoCounters},
     error::BvhError,
-    lanes::{Backend, Portable},
+    lanes::{Backend, Lanes, Portable},
     ray::{Filter, Hit, Ray},
     slab::MARGIN,
-    traverse::{Nearest, Query, trace},
+    traverse::{Nearest, Query, World},
     triangle::MAX_COORDINATE,
     wide::{Child, WideTree},
 };
@@ -49,17 +51,18 @@ pub(crate) struct Placed {
 }
 
 impl Placed {
-    /// The ray in object space. `t` means the same there.
+    /// The ray in object space, where `t` means the same; `None` if it cannot hit anything there.
     #[inline(always)]
-    pub fn local_ray(&self, ray: &Ray) -> Ray {
+    pub fn local_ray(&self, ray: &Ray) -> Option<Ray> {
         if self.identity {
-            return *ray;
+            return Some(*ray);
         }
-        Ray {
+        let local = Ray {
             origin: self.object_from_world.transform_point3(ray.origin),
             direction: self.object_from_world.transform_vector3(ray.direction),
             ..*ray
-        }
+        };
+        local.is_usable().then_some(local)
     }
 }
 
@@ -207,11 +210,11 @@ impl Tlas {
         counters: &mut C,
     ) -> Option<Hit> {
         let mut query = Query { ray, filter, accept, counters, nearest: Nearest::before(ray.t_max) };
+        let world = World::<F, C, ANY, OPAQUE> { tlas: self, query: &mut query };
         match self.backend {
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: `backend` is only ever one that `is_supported` confirmed.
-            Backend::Avx2 => unsafe { run_avx2::<C, F, ANY, OPAQUE>(self, &mut query) },
-            _ => trace::<Portable, C, F, ANY, OPAQUE>(self, &mut query),
+            Backend::Avx2 => Avx2::call(world),
+            _ => Portable::call(world),
         }
         query.nearest.into_option()
     }
@@ -253,12 +256,6 @@ impl Tlas {
     pub(crate) fn margin(&self) -> (f32, f32) {
         (self.margin, self.extra)
     }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-unsafe fn run_avx2<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool>(tlas: &Tlas, query: &mut Query<F, C>) {
-    trace::<crate::lanes::Avx2, C, F, ANY, OPAQUE>(tlas, query)
 }
 
 /// The inverse, rounded from double precision, and by how much going there and back amplifies a rounding error: the greatest row sum

@@ -1,16 +1,17 @@
 //! Traversal of both levels, generic over instructions, counters and the question asked.
 
 use crate::{
+    blas::Blas,
     counters::Count,
-    lanes::Lanes,
+    lanes::{Crossings, Lanes, Task},
     ray::{Filter, Hit, PrimitiveRef, Ray},
     slab::{MARGIN, SlabRay},
-    stack::{Stack, Waiting},
+    stack::{Stack, Storage, Waiting},
     tlas::Tlas,
-    triangle::{Block, NO_PRIMITIVE, ShearedRay},
-    wide::{Child, WideTree},
+    triangle::{BLOCK_SIZE, NO_PRIMITIVE, ShearedRay},
+    wide::{Child, Node, WIDTH, WideTree},
 };
-use std::{marker::PhantomData, ops::Range};
+use std::ops::Range;
 
 /// The nearest accepted hit so far. Of two at the same `t` the one with the lower (instance, primitive) is nearer.
 pub(crate) struct Nearest {
@@ -43,15 +44,29 @@ pub(crate) struct Query<'a, F, C> {
     pub nearest: Nearest,
 }
 
-/// Traces a ray through the world. `ANY` ends at the first accepted hit; `OPAQUE` never asks `accept`.
-#[inline(always)]
-pub(crate) fn trace<L: Lanes, C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool>(tlas: &Tlas, query: &mut Query<F, C>) {
-    if !query.ray.is_usable() {
-        return;
+/// Traces one ray through the world. `ANY` ends at the first accepted hit; `OPAQUE` never asks `accept`.
+pub(crate) struct World<'a, 'q, F, C, const ANY: bool, const OPAQUE: bool> {
+    pub tlas: &'a Tlas,
+    pub query: &'a mut Query<'q, F, C>,
+}
+
+impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Task for World<'_, '_, F, C, ANY, OPAQUE> {
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) {
+        if !self.query.ray.is_usable() {
+            return;
+        }
+        let tree = self.tlas.tree();
+        if tree.root == Child::NONE {
+        } else if tree.root.is_leaf() {
+            // With a single instance there is no box to test.
+            self.leaf::<L>(tree.root.items());
+        } else {
+            let (margin, extra) = self.tlas.margin();
+            let slab = SlabRay::new(self.query.ray, &tree.bounds, margin, extra);
+            walk::<L, _>(tree, &slab, &mut self);
+        }
     }
-    let (margin, extra) = tlas.margin();
-    let slab = SlabRay::new(query.ray, &tlas.tree().bounds, margin, extra);
-    walk::<L, _>(tlas.tree(), &slab, &mut World::<L, F, C, ANY, OPAQUE> { tlas, query, lanes: PhantomData });
 }
 
 /// What a walk through one level asks and tells.
@@ -63,43 +78,34 @@ trait Visitor {
     /// A node is about to be tested.
     fn node(&mut self);
     /// Tests the items of a leaf; `true` ends the walk.
-    fn leaf(&mut self, items: Range<usize>) -> bool;
+    fn leaf<L: Lanes>(&mut self, items: Range<usize>) -> bool;
 }
 
 /// Visits leaves front to back (by the entry into their boxes).
 #[inline(always)]
 fn walk<L: Lanes, V: Visitor>(tree: &WideTree, slab: &SlabRay, visitor: &mut V) {
-    if tree.root == Child::NONE {
-        return;
-    }
-    let mut stack = Stack::new();
+    let mut storage = Storage::new();
+    let mut stack = Stack::new(&mut storage);
     let mut child = tree.root;
+    let mut limit = visitor.limit();
     loop {
         if child.is_leaf() {
-            if visitor.leaf(child.items()) {
+            if visitor.leaf::<L>(child.items()) {
                 return;
             }
+            limit = visitor.limit();
         } else {
             visitor.node();
             let node = &tree.nodes[child.index()];
-            let (mut met, distances) = L::boxes(slab, node, visitor.limit());
-            let waiting = |slot: usize| Waiting { child: node.children[slot], t_near: distances.0[slot] };
-            if met.is_power_of_two() {
-                child = node.children[met.trailing_zeros() as usize];
+            let (met, distances) = L::boxes(slab, node, limit);
+            if met != 0 {
+                child = advance::<V>(node, met, &distances.0, &mut stack);
                 continue;
-            }
-            let start = stack.len();
-            while met != 0 {
-                stack.push(waiting(met.trailing_zeros() as usize));
-                met &= met - 1;
-            }
-            if V::ORDERED {
-                stack.sort_from(start);
             }
         }
         child = loop {
             match stack.pop() {
-                Some(next) if next.t_near <= visitor.limit() => break next.child,
+                Some(next) if next.t_near <= limit => break next.child,
                 Some(_) => {}
                 None => return,
             }
@@ -107,14 +113,41 @@ fn walk<L: Lanes, V: Visitor>(tree: &WideTree, slab: &SlabRay, visitor: &mut V) 
     }
 }
 
-/// The upper level: leaves are instances.
-struct World<'a, 'q, L, F, C, const ANY: bool, const OPAQUE: bool> {
-    tlas: &'a Tlas,
-    query: &'a mut Query<'q, F, C>,
-    lanes: PhantomData<L>,
+/// The child to go to next; the others that are met wait on the stack, the nearest on top.
+#[inline(always)]
+fn advance<V: Visitor>(node: &Node, mut met: u32, distances: &[f32; WIDTH], stack: &mut Stack) -> Child {
+    let mut take = || {
+        let slot = met.trailing_zeros() as usize;
+        met &= met - 1;
+        (Waiting { child: node.children[slot % WIDTH], t_near: distances[slot % WIDTH] }, met != 0)
+    };
+    let (first, more) = take();
+    if !more {
+        return first.child;
+    }
+    let (second, more) = take();
+    let (near, far) = if second.t_near < first.t_near { (second, first) } else { (first, second) };
+    stack.push(far);
+    if !more {
+        return near.child;
+    }
+    let start = stack.len() - 1;
+    stack.push(near);
+    loop {
+        let (next, more) = take();
+        stack.push(next);
+        if !more {
+            break;
+        }
+    }
+    if V::ORDERED {
+        stack.sort_from(start);
+    }
+    stack.pop().expect("three were pushed").child
 }
 
-impl<L: Lanes, C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Visitor for World<'_, '_, L, F, C, ANY, OPAQUE> {
+/// Leaves of the upper level are instances.
+impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Visitor for World<'_, '_, F, C, ANY, OPAQUE> {
     const ORDERED: bool = !ANY;
 
     #[inline(always)]
@@ -128,33 +161,20 @@ impl<L: Lanes, C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: 
     }
 
     #[inline(always)]
-    fn leaf(&mut self, items: Range<usize>) -> bool {
-        for slot in items {
-            let placed = &self.tlas.placed()[slot];
+    fn leaf<L: Lanes>(&mut self, items: Range<usize>) -> bool {
+        for placed in &self.tlas.placed()[items] {
             if placed.mask & self.query.filter.mask == 0 {
                 continue;
             }
             self.query.counters.instance();
-            let blas = &self.tlas.blases()[placed.blas as usize];
-            let ray = placed.local_ray(self.query.ray);
-            if !ray.is_usable() {
-                continue;
-            }
+            let Some(ray) = placed.local_ray(self.query.ray) else { continue };
             let exclude = match self.query.filter.exclude {
                 Some(PrimitiveRef { instance, primitive }) if instance == placed.instance => primitive,
                 _ => NO_PRIMITIVE,
             };
-            let slab = SlabRay::new(&ray, &blas.tree().bounds, MARGIN, 0.0);
-            let mut mesh = Mesh::<L, F, C, ANY> {
-                sheared: ShearedRay::new(&ray),
-                blocks: blas.blocks(),
-                instance: placed.instance,
-                ask: !OPAQUE && !placed.opaque,
-                exclude,
-                query: self.query,
-                lanes: PhantomData,
-            };
-            walk::<L, _>(blas.tree(), &slab, &mut mesh);
+            let ask = !OPAQUE && !placed.opaque;
+            let blas = &self.tlas.blases()[placed.blas as usize];
+            L::call(Mesh::<F, C, ANY> { blas, ray, instance: placed.instance, ask, exclude, query: self.query });
             if ANY && self.query.nearest.found {
                 return true;
             }
@@ -163,40 +183,56 @@ impl<L: Lanes, C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: 
     }
 }
 
-/// The lower level: leaves are blocks of triangles.
-struct Mesh<'a, 'q, L, F, C, const ANY: bool> {
-    sheared: ShearedRay,
-    blocks: &'a [Block],
+/// Traces a ray through one mesh, in its space.
+struct Mesh<'a, 'q, F, C, const ANY: bool> {
+    blas: &'a Blas,
+    ray: Ray,
     instance: u32,
     ask: bool,
     exclude: u32,
     query: &'a mut Query<'q, F, C>,
-    lanes: PhantomData<L>,
 }
 
-impl<L: Lanes, C: Count, F: FnMut(&Hit) -> bool, const ANY: bool> Visitor for Mesh<'_, '_, L, F, C, ANY> {
+impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool> Task for Mesh<'_, '_, F, C, ANY> {
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let tree = self.blas.tree();
+        let slab = SlabRay::new(&self.ray, &tree.bounds, MARGIN, 0.0);
+        let sheared = ShearedRay::new(&self.ray);
+        walk::<L, _>(tree, &slab, &mut InMesh { sheared, mesh: self });
+    }
+}
+
+/// Leaves of the lower level are blocks of triangles.
+struct InMesh<'a, 'q, F, C, const ANY: bool> {
+    sheared: ShearedRay,
+    mesh: Mesh<'a, 'q, F, C, ANY>,
+}
+
+impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool> Visitor for InMesh<'_, '_, F, C, ANY> {
     const ORDERED: bool = !ANY;
 
     #[inline(always)]
     fn limit(&self) -> f32 {
-        self.query.nearest.hit.t
+        self.mesh.query.nearest.hit.t
     }
 
     #[inline(always)]
     fn node(&mut self) {
-        self.query.counters.node();
+        self.mesh.query.counters.node();
     }
 
     #[inline(always)]
-    fn leaf(&mut self, items: Range<usize>) -> bool {
-        for block in &self.blocks[items] {
-            self.query.counters.triangles(|| block.len());
-            let mut candidates = L::triangles(&self.sheared, block);
-            while candidates != 0 {
-                let lane = candidates.trailing_zeros() as usize;
-                candidates &= candidates - 1;
-                self.consider(block, lane);
-                if ANY && self.query.nearest.found {
+    fn leaf<L: Lanes>(&mut self, items: Range<usize>) -> bool {
+        for block in &self.mesh.blas.blocks()[items] {
+            self.mesh.query.counters.triangles(|| block.len());
+            let mut crossings = Crossings::default();
+            let mut crossed = L::triangles(&self.sheared, block, self.mesh.ray.t_min, self.limit(), &mut crossings);
+            while crossed != 0 {
+                let lane = crossed.trailing_zeros() as usize % BLOCK_SIZE;
+                crossed &= crossed - 1;
+                self.consider(block.primitives[lane], crossings.t[lane], crossings.u[lane], crossings.v[lane]);
+                if ANY && self.mesh.query.nearest.found {
                     return true;
                 }
             }
@@ -205,15 +241,13 @@ impl<L: Lanes, C: Count, F: FnMut(&Hit) -> bool, const ANY: bool> Visitor for Me
     }
 }
 
-impl<L: Lanes, C: Count, F: FnMut(&Hit) -> bool, const ANY: bool> Mesh<'_, '_, L, F, C, ANY> {
-    /// Decides a candidate and keeps it if it is nearer and accepted.
+impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool> InMesh<'_, '_, F, C, ANY> {
+    /// Keeps a hit if it is nearer than the one before and accepted.
     #[inline(always)]
-    fn consider(&mut self, block: &Block, lane: usize) {
-        let Some(crossing) = self.sheared.cross_lane(block, lane) else { return };
-        let primitive = block.primitives[lane];
-        let hit = Hit { t: crossing.t, u: crossing.u, v: crossing.v, primitive, instance: self.instance };
-        let query = &mut *self.query;
-        if hit.t > query.ray.t_min && query.nearest.is_beaten_by(&hit) && primitive != self.exclude && (!self.ask || (query.accept)(&hit)) {
+    fn consider(&mut self, primitive: u32, t: f32, u: f32, v: f32) {
+        let hit = Hit { t, u, v, primitive, instance: self.mesh.instance };
+        let query = &mut *self.mesh.query;
+        if query.nearest.is_beaten_by(&hit) && primitive != self.mesh.exclude && (!self.mesh.ask || (query.accept)(&hit)) {
             query.nearest = Nearest { hit, found: true };
         }
     }

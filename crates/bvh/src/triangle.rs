@@ -5,9 +5,9 @@
 //! same numbers, so the projections tile without gaps.
 //!
 //! Deviations from [Woop13], both for one reason, that the answer should be exact on the sheared vertices:
-//! - Edge functions in single precision only *reject*: rounding is monotone, so a computed sign is the true one or zero. What survives is
-//!   decided and measured in double precision, where products of singles are exact. A single-precision `t` could be wrong by the length of
-//!   a triangle seen edge-on, and then its box would not contain it.
+//! - Edge functions and `t` are computed in double precision, where products of singles are exact and so are signs. A single-precision `t`
+//!   could be wrong by the length of a triangle seen edge-on, and then its box would not contain it. (Single precision may only *reject*:
+//!   rounding is monotone, so a computed sign is the true one or zero.)
 //! - An edge function that is exactly zero (the ray meets an edge or a vertex) takes the sign it would have if the ray were moved by an
 //!   infinitesimal step along x and a yet smaller one along y ([Edelsbrunner90]). So a ray crosses exactly one of two triangles that
 //!   share the edge, and a closed mesh an even number of times.
@@ -88,22 +88,19 @@ pub struct Crossing {
     pub v: f32,
 }
 
+/// The axes after z in a right-handed order; the last entry is never used and saves a bounds check.
+static OTHER_AXES: [[usize; 2]; 4] = [[1, 2], [2, 0], [0, 1], [0, 1]];
+
 impl ShearedRay {
     /// Prepares a ray whose direction is finite and not zero.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        let d = ray.direction.to_array();
-        let a = ray.direction.abs();
-        let z = if a.x >= a.y {
-            if a.x >= a.z { 0 } else { 2 }
-        } else if a.y >= a.z {
-            1
-        } else {
-            2
-        };
-        let x = if z == 2 { 0 } else { z + 1 };
-        let y = if x == 2 { 0 } else { x + 1 };
-        let o = ray.origin.to_array();
+        let size = ray.direction.abs();
+        // Of equals the first. Arithmetic, not branches: directions are unpredictable.
+        let (x_is_greatest, y_beats_z) = (size.x >= size.y.max(size.z), size.y >= size.z);
+        let z = usize::from(!x_is_greatest) << usize::from(!y_beats_z);
+        let [x, y] = OTHER_AXES[z & 3];
+        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
         Self { axes: [x, y, z], origin: [o[x], o[y], o[z]], shear: [d[x] / d[z], d[y] / d[z]], dz: d[z] }
     }
 
@@ -123,14 +120,12 @@ impl ShearedRay {
     /// ```
     ///
     /// [Woop13] eq. 3–6, in double precision. `None` when it is missed or seen exactly edge-on.
-    #[inline]
-    pub fn cross(&self, triangle: [[f32; 3]; 3]) -> Option<Crossing> {
-        let [a, b, c] = triangle.map(|p| self.shear(p).map(f64::from));
-        let edge = |p: [f64; 3], q: [f64; 3]| p[0] * q[1] - p[1] * q[0];
+    #[inline(always)]
+    pub fn cross(&self, [a, b, c]: [[f32; 3]; 3]) -> Option<Crossing> {
+        let (a, b, c) = (self.shear(a), self.shear(b), self.shear(c));
         let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
-        let positive = |e: f64, p: [f64; 3], q: [f64; 3]| if e != 0.0 { e > 0.0 } else { limit_sign(p, q) };
-        let side = positive(u, c, b);
-        if positive(v, a, c) != side || positive(w, b, a) != side {
+        let side = is_positive(u, c, b);
+        if is_positive(v, a, c) != side || is_positive(w, b, a) != side {
             return None;
         }
         let sum = u + v + w;
@@ -138,20 +133,38 @@ impl ShearedRay {
         if sum == 0.0 || sum.is_nan() {
             return None;
         }
-        let t = (u * a[2] + v * b[2] + w * c[2]) / (sum * f64::from(self.dz));
+        let t = (u * f64::from(a[2]) + v * f64::from(b[2]) + w * f64::from(c[2])) / (sum * f64::from(self.dz));
         Some(Crossing { t: t as f32, u: (v / sum) as f32, v: (w / sum) as f32 })
     }
 
     /// [`cross`](Self::cross) for one lane of a block.
     #[inline(always)]
     pub fn cross_lane(&self, block: &Block, lane: usize) -> Option<Crossing> {
-        self.cross(block.vertices.map(|axes| axes.map(|lanes| lanes[lane])))
+        let vertex = |v: usize| {
+            let axes = &block.vertices[v];
+            [axes[0][lane % BLOCK_SIZE], axes[1][lane % BLOCK_SIZE], axes[2][lane % BLOCK_SIZE]]
+        };
+        self.cross([vertex(0), vertex(1), vertex(2)])
     }
 }
 
-/// Sign of the edge function of (p, q) when the origin moves to (δ, δ²), δ → 0⁺:  δ (p_y − q_y) + δ² (q_x − p_x).
-fn limit_sign(p: [f64; 3], q: [f64; 3]) -> bool {
-    if p[1] != q[1] { p[1] > q[1] } else { q[0] > p[0] }
+/// Edge function of sheared points: exact in sign, since both products are exact.
+#[inline(always)]
+fn edge(p: [f32; 3], q: [f32; 3]) -> f64 {
+    f64::from(p[0]) * f64::from(q[1]) - f64::from(p[1]) * f64::from(q[0])
+}
+
+/// Sign of the edge function of (p, q), or where it is zero its sign when the origin moves to (δ, δ²), δ → 0⁺:
+/// that of δ (p_y − q_y) + δ² (q_x − p_x).
+#[inline(always)]
+fn is_positive(edge: f64, p: [f32; 3], q: [f32; 3]) -> bool {
+    if edge != 0.0 {
+        edge > 0.0
+    } else if p[1] != q[1] {
+        p[1] > q[1]
+    } else {
+        q[0] > p[0]
+    }
 }
 
 #[cfg(test)]

@@ -53,7 +53,7 @@ impl Child {
 
 /// Eight boxes, side by side for SIMD.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub struct Node {
     /// `[min x, max x, min y, max y, min z, max z][child]`, m; +∞ … −∞ for no child.
     pub planes: [[f32; WIDTH]; 6],

@@ -64,8 +64,7 @@ impl Bins {
         for item in items {
             let index = self.index(item);
             let (min, max) = (item.min(), item.max());
-            for axis in 0..3 {
-                let bin = index[axis];
+            for (axis, &bin) in index.iter().enumerate() {
                 self.boxes[bin][axis].add(min, max);
                 self.counts[bin][axis] += 1;
             }
@@ -81,6 +80,7 @@ impl Bins {
     }
 
     /// The cheapest plane with items on both sides; the first of equals.
+    #[allow(clippy::needless_range_loop, reason = "several lists run in step")]
     pub fn best_plane(&self, cost: &Cost) -> Option<Plane> {
         let mut right_cost = [[f32::INFINITY; 3]; MAX_BINS];
         let (mut boxes, mut counts) = ([Bin::EMPTY; 3], [0; 3]);

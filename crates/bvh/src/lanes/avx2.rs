@@ -1,11 +1,12 @@
 //! AVX2 and FMA.
 
-use super::{Distances, Lanes};
+use super::{Crossings, Distances, Lanes, Task};
 use crate::{
     slab::SlabRay,
     triangle::{Block, ShearedRay},
     wide::Node,
 };
+use glam::Vec3A;
 use std::arch::x86_64::*;
 
 /// Eight boxes in one register, four triangles in half of one. Used only inside functions that enable the features, after
@@ -14,19 +15,30 @@ pub(crate) struct Avx2;
 
 impl Lanes for Avx2 {
     #[inline(always)]
+    fn call(task: impl Task) {
+        #[inline(never)]
+        #[target_feature(enable = "avx2,fma")]
+        fn with_features(task: impl Task) {
+            task.run::<Avx2>();
+        }
+        // SAFETY: the features are there (see the type).
+        unsafe { with_features(task) }
+    }
+
+    #[inline(always)]
     fn boxes(ray: &SlabRay, node: &Node, t_max: f32) -> (u32, Distances) {
-        // SAFETY: AVX2 and FMA are there (see the type); a row of planes is 8 floats aligned to 32 bytes (`Node` is, and rows are 32 bytes).
+        let planes = node.planes.as_ptr().cast::<f32>();
+        // SAFETY: AVX2 and FMA are there (see the type); `SlabRay::new` makes the starts of rows of 8 floats among the 48 planes, and rows
+        // are aligned like the node.
         unsafe {
-            let mut near = _mm256_set1_ps(ray.t_min);
-            let mut far = _mm256_set1_ps(t_max);
-            for axis in 0..3 {
-                let reciprocal = _mm256_set1_ps(ray.reciprocal[axis]);
-                let near_planes = _mm256_load_ps(node.planes[ray.near_plane[axis]].as_ptr());
-                let far_planes = _mm256_load_ps(node.planes[ray.near_plane[axis] ^ 1].as_ptr());
-                // Where a product overflows to NaN, max and min keep their second operand: the box counts as met.
-                near = _mm256_max_ps(_mm256_fmadd_ps(near_planes, reciprocal, _mm256_set1_ps(ray.near[axis])), near);
-                far = _mm256_min_ps(_mm256_fmadd_ps(far_planes, reciprocal, _mm256_set1_ps(ray.far[axis])), far);
-            }
+            let at = |first: usize, axis: usize, shift: &Vec3A| {
+                _mm256_fmadd_ps(_mm256_load_ps(planes.add(first)), _mm256_set1_ps(ray.reciprocal[axis]), _mm256_set1_ps(shift[axis]))
+            };
+            let near = |axis: usize| at(ray.near_planes[axis], axis, &ray.near);
+            let far = |axis: usize| at(ray.far_planes[axis], axis, &ray.far);
+            // Where a product overflows to NaN, max and min return their second operand, and at last `t_min` and `t_max`: the box counts as met.
+            let near = _mm256_max_ps(_mm256_max_ps(near(0), near(1)), _mm256_max_ps(near(2), _mm256_set1_ps(ray.t_min)));
+            let far = _mm256_min_ps(_mm256_min_ps(far(0), far(1)), _mm256_min_ps(far(2), _mm256_set1_ps(t_max)));
             let met = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32;
             let mut distances = Distances([0.0; 8]);
             _mm256_store_ps(distances.0.as_mut_ptr(), near);
@@ -35,29 +47,55 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn triangles(ray: &ShearedRay, block: &Block) -> u32 {
-        // SAFETY: AVX is there (see the type); a row of a block is 4 floats aligned to 16 bytes.
+    fn triangles(ray: &ShearedRay, block: &Block, t_min: f32, t_max: f32, out: &mut Crossings) -> u32 {
+        // SAFETY: AVX is there (see the type); a row of a block is 4 floats aligned to 16 bytes, as are those of `out`.
         unsafe {
             let [x, y, z] = ray.axes;
             let origin = ray.origin.map(|o| _mm_set1_ps(o));
             let shear = ray.shear.map(|s| _mm_set1_ps(s));
+            // The same operations as `ShearedRay::shear`; then exact to double precision.
             let sheared = |v: usize| {
                 let row = |axis: usize| _mm_load_ps(block.vertices[v][axis].as_ptr());
                 let dz = _mm_sub_ps(row(z), origin[2]);
-                [
-                    _mm_sub_ps(_mm_sub_ps(row(x), origin[0]), _mm_mul_ps(shear[0], dz)),
-                    _mm_sub_ps(_mm_sub_ps(row(y), origin[1]), _mm_mul_ps(shear[1], dz)),
-                ]
+                let dx = _mm_sub_ps(_mm_sub_ps(row(x), origin[0]), _mm_mul_ps(shear[0], dz));
+                let dy = _mm_sub_ps(_mm_sub_ps(row(y), origin[1]), _mm_mul_ps(shear[1], dz));
+                [_mm256_cvtps_pd(dx), _mm256_cvtps_pd(dy), _mm256_cvtps_pd(dz)]
             };
             let (a, b, c) = (sheared(0), sheared(1), sheared(2));
-            // No fused multiply-add: one rounded and one exact product could give a shared edge two different signs.
-            let edge = |p: [__m128; 2], q: [__m128; 2]| _mm_sub_ps(_mm_mul_ps(p[0], q[1]), _mm_mul_ps(p[1], q[0]));
+            // Products are exact in double precision, so fusing changes nothing here; below it would, and is not done.
+            let edge = |p: [__m256d; 3], q: [__m256d; 3]| _mm256_fmsub_pd(p[0], q[1], _mm256_mul_pd(p[1], q[0]));
             let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
-            let zero = _mm_setzero_ps();
-            let least = _mm_min_ps(_mm_min_ps(u, v), w);
-            let greatest = _mm_max_ps(_mm_max_ps(u, v), w);
-            let kept = _mm_or_ps(_mm_cmpge_ps(least, zero), _mm_cmple_ps(greatest, zero));
-            _mm_movemask_ps(kept) as u32
+            let zero = _mm256_setzero_pd();
+            let least = _mm256_min_pd(_mm256_min_pd(u, v), w);
+            let greatest = _mm256_max_pd(_mm256_max_pd(u, v), w);
+            let one_sign = _mm256_or_pd(_mm256_cmp_pd::<_CMP_GE_OQ>(least, zero), _mm256_cmp_pd::<_CMP_LE_OQ>(greatest, zero));
+
+            let sum = _mm256_add_pd(_mm256_add_pd(u, v), w);
+            let weighted = _mm256_add_pd(_mm256_mul_pd(u, a[2]), _mm256_mul_pd(v, b[2]));
+            let weighted = _mm256_add_pd(weighted, _mm256_mul_pd(w, c[2]));
+            // 0/0 without area: NaN, which is in no interval.
+            let t = _mm256_cvtpd_ps(_mm256_div_pd(weighted, _mm256_mul_pd(sum, _mm256_set1_pd(f64::from(ray.dz)))));
+            let after = _mm_cmpgt_ps(t, _mm_set1_ps(t_min));
+            let before = _mm_cmple_ps(t, _mm_set1_ps(t_max));
+            let mut crossed = (_mm256_movemask_pd(one_sign) & _mm_movemask_ps(_mm_and_ps(after, before))) as u32;
+            if crossed == 0 {
+                return 0;
+            }
+            let on_edge = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_EQ_OQ>(_mm256_mul_pd(_mm256_mul_pd(u, v), w), zero)) as u32;
+            if crossed & on_edge != 0 {
+                crossed = decide_edges(ray, block, crossed, crossed & on_edge);
+            }
+            _mm_store_ps(out.t.as_mut_ptr(), t);
+            _mm_store_ps(out.u.as_mut_ptr(), _mm256_cvtpd_ps(_mm256_div_pd(v, sum)));
+            _mm_store_ps(out.v.as_mut_ptr(), _mm256_cvtpd_ps(_mm256_div_pd(w, sum)));
+            crossed
         }
     }
+}
+
+/// Which lanes stay of those that were crossed: some of them on an edge or vertex, which may belong to a neighbour.
+#[cold]
+fn decide_edges(ray: &ShearedRay, block: &Block, crossed: u32, on_edge: u32) -> u32 {
+    let lost = (0..4).filter(|&lane| on_edge >> lane & 1 == 1 && ray.cross_lane(block, lane).is_none());
+    lost.fold(crossed, |crossed, lane| crossed & !(1 << lane))
 }

@@ -8,19 +8,44 @@ mod portable;
 pub(crate) use avx2::Avx2;
 pub(crate) use portable::Portable;
 
-use crate::{slab::SlabRay, triangle::Block, triangle::ShearedRay, wide::Node, wide::WIDTH};
+use crate::{
+    slab::SlabRay,
+    triangle::{BLOCK_SIZE, Block, ShearedRay},
+    wide::{Node, WIDTH},
+};
 
 /// Entry distances of the children of a node.
 #[repr(C, align(32))]
 pub(crate) struct Distances(pub [f32; WIDTH]);
 
 /// Tests boxes and triangles side by side. Implementations may differ in rounding of box distances, within the margin of [`crate::slab`].
-pub(crate) trait Lanes {
+pub(crate) trait Lanes: Sized {
+    /// Runs a task in a function of its own that may use the instructions. Everything the task does must be inlined into it.
+    fn call(task: impl Task);
+
     /// Children whose box is met within `t_min ..= t_max`, one bit each, and where each is entered.
     fn boxes(ray: &SlabRay, node: &Node, t_max: f32) -> (u32, Distances);
 
-    /// Lanes whose edge functions, in single precision, do not have two signs: one bit each. Exactly the same in every implementation.
-    fn triangles(ray: &ShearedRay, block: &Block) -> u32;
+    /// Triangles that the ray crosses at `t_min < t ≤ t_max`, one bit each, and where. Exactly the same in every implementation.
+    fn triangles(ray: &ShearedRay, block: &Block, t_min: f32, t_max: f32, out: &mut Crossings) -> u32;
+}
+
+/// Crossings with the triangles of a block; only the lanes that were reported mean anything.
+#[derive(Clone, Copy, Default)]
+#[repr(C, align(16))]
+pub(crate) struct Crossings {
+    /// Ray parameters.
+    pub t: [f32; BLOCK_SIZE],
+    /// Weights of vertex 1.
+    pub u: [f32; BLOCK_SIZE],
+    /// Weights of vertex 2.
+    pub v: [f32; BLOCK_SIZE],
+}
+
+/// Work that is compiled once for each set of instructions.
+pub(crate) trait Task {
+    /// Does it. Implementations are `#[inline(always)]`, so that they are compiled with the features of their caller.
+    fn run<L: Lanes>(self);
 }
 
 /// Which instructions traversal uses. The hits are the same.
@@ -53,7 +78,7 @@ impl Backend {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Ray, aabb::Aabb, triangle::BLOCK_SIZE};
+    use crate::{Ray, aabb::Aabb};
     use glam::Vec3;
     use proptest::prelude::*;
 
@@ -70,43 +95,63 @@ mod tests {
         ]
     }
 
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma")]
-    fn avx2_triangles(ray: &ShearedRay, block: &Block) -> u32 {
-        Avx2::triangles(ray, block)
+    /// Lanes and crossings of a block, one after the other.
+    fn listed<L: Lanes>(ray: &ShearedRay, block: &Block, t_min: f32, t_max: f32) -> Vec<(usize, [u32; 3])> {
+        let mut out = Crossings::default();
+        let mut lanes = 0;
+        struct Triangles<'a>(&'a ShearedRay, &'a Block, [f32; 2], &'a mut Crossings, &'a mut u32);
+        impl Task for Triangles<'_> {
+            #[inline(always)]
+            fn run<L: Lanes>(self) {
+                *self.4 = L::triangles(self.0, self.1, self.2[0], self.2[1], self.3);
+            }
+        }
+        L::call(Triangles(ray, block, [t_min, t_max], &mut out, &mut lanes));
+        let lane = |i: usize| (i, [out.t[i], out.u[i], out.v[i]].map(f32::to_bits));
+        (0..32).filter(|i| lanes >> i & 1 == 1).map(lane).collect()
     }
 
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma")]
-    fn avx2_boxes(ray: &SlabRay, node: &Node, t_max: f32) -> (u32, Distances) {
-        Avx2::boxes(ray, node, t_max)
+    /// Children met and where the first is entered.
+    fn entered<L: Lanes>(ray: &SlabRay, node: &Node, t_max: f32) -> (u32, f32) {
+        let mut out = (0, 0.0);
+        struct Boxes<'a>(&'a SlabRay, &'a Node, f32, &'a mut (u32, f32));
+        impl Task for Boxes<'_> {
+            #[inline(always)]
+            fn run<L: Lanes>(self) {
+                let (met, distances) = L::boxes(self.0, self.1, self.2);
+                *self.3 = (met, distances.0[0]);
+            }
+        }
+        L::call(Boxes(ray, node, t_max, &mut out));
+        out
     }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
 
         #[test]
-        fn single_precision_never_rejects_a_triangle_that_is_hit(
+        fn every_set_of_instructions_finds_exactly_the_crossings(
             corners in prop::array::uniform4(prop::array::uniform3(any_point())),
             origin in any_point(),
             target in any_point(),
+            interval in prop_oneof![Just((0.0, f32::INFINITY)), (-2f32..2.0, 0f32..4.0)],
         ) {
             prop_assume!(target != origin);
-            let ray = Ray::new(origin, target - origin);
-            let sheared = ShearedRay::new(&ray);
+            let sheared = ShearedRay::new(&Ray::new(origin, target - origin));
             let mut block = Block::EMPTY;
             for (lane, &triangle) in corners[..3].iter().enumerate() {
                 block.set(lane, lane as u32, triangle);
             }
-            let candidates = Portable::triangles(&sheared, &block);
-            prop_assert_eq!(candidates >> 3, 0, "an unused lane");
-            for lane in 0..BLOCK_SIZE {
-                prop_assert!(sheared.cross_lane(&block, lane).is_none() || candidates >> lane & 1 == 1);
-            }
+            let (t_min, t_max) = interval;
+            let expected: Vec<_> = (0..3)
+                .filter_map(|lane| sheared.cross(corners[lane].map(|p| p.to_array())).map(|c| (lane, c)))
+                .filter(|(_, c)| c.t > t_min && c.t <= t_max)
+                .map(|(lane, c)| (lane, [c.t, c.u, c.v].map(f32::to_bits)))
+                .collect();
+            prop_assert_eq!(&listed::<Portable>(&sheared, &block, t_min, t_max), &expected);
             #[cfg(target_arch = "x86_64")]
             if Backend::Avx2.is_supported() {
-                // SAFETY: supported.
-                prop_assert_eq!(unsafe { avx2_triangles(&sheared, &block) }, candidates);
+                prop_assert_eq!(&listed::<Avx2>(&sheared, &block, t_min, t_max), &expected);
             }
         }
 
@@ -123,12 +168,11 @@ mod tests {
                 let slab = SlabRay::new(&ray, &bounds, crate::slab::MARGIN, 0.0);
                 let node = crate::wide::tests::node_of(&[bounds]);
                 if crossing.t > ray.t_min && crossing.t < ray.t_max {
-                    let (met, distances) = Portable::boxes(&slab, &node, crossing.t);
-                    prop_assert_eq!(met, 1, "entered at {} for a hit at {}", distances.0[0], crossing.t);
+                    let (met, entry) = entered::<Portable>(&slab, &node, crossing.t);
+                    prop_assert_eq!(met, 1, "entered at {} for a hit at {}", entry, crossing.t);
                     #[cfg(target_arch = "x86_64")]
                     if Backend::Avx2.is_supported() {
-                        // SAFETY: supported.
-                        prop_assert_eq!(unsafe { avx2_boxes(&slab, &node, crossing.t) }.0, 1);
+                        prop_assert_eq!(entered::<Avx2>(&slab, &node, crossing.t).0, 1);
                     }
                 }
             }

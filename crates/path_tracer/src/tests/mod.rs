@@ -6,4 +6,6 @@ mod determinism;
 mod direct_light;
 mod estimators;
 mod furnace;
+mod rays;
 mod scenes;
+mod visibility;

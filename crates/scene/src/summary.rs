@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn summary_is_json() {
         let json = serde_json::to_value(builtin::load("spheres").unwrap().summary()).unwrap();
-        assert_eq!(json["materials"].as_array().unwrap().len(), 19);
+        assert_eq!(json["materials"].as_array().unwrap().len(), 20);
         assert_eq!(json["environment"]["image"], serde_json::Value::Null);
     }
 }

@@ -17,7 +17,7 @@ pub(super) const SCENE: BuiltinScene = BuiltinScene {
 };
 
 fn make(_: u32) -> Scene {
-    let mut stage = Stage::new(0.3);
+    let mut stage = Stage::new(0.6);
     let rgb = LinearRgb::new;
     let wall = stage.material("wall", lambert(rgb(0.7, 0.67, 0.6)));
     let accent = stage.material("accent wall", lambert(rgb(0.16, 0.3, 0.32)));

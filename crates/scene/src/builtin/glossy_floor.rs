@@ -42,7 +42,7 @@ fn make(_: u32) -> Scene {
         let color = stage.material(&format!("column {lane}"), lambert(column_colors[lane]));
         stage.place(&format!("column {lane}"), shapes::cylinder(0.22, 1.5, 64), color, at(x - 0.35, 0.0, -1.4));
         let ball = stage.material(&format!("ball {lane}"), plastic(column_colors[3 - lane], 0.3));
-        stage.place(&format!("ball {lane}"), shapes::sphere(0.28, 64), ball, at(x + 0.4, 0.28, 0.3));
+        stage.place(&format!("ball {lane}"), shapes::sphere(0.28, 64), ball, at(x + 0.3, 0.28, -0.3));
         let glow = Material { emission: panel_colors[lane], ..lambert(LinearRgb::splat(0.2)) };
         let glow = stage.material(&format!("panel {lane}"), glow);
         let panel = shapes::rounded_cuboid(Vec3::new(0.5, 0.9, 0.04), 0.02, 3);
@@ -51,6 +51,6 @@ fn make(_: u32) -> Scene {
     let ceiling_light = LightShape::Rectangle { width: Meters(5.0), height: Meters(0.5) };
     let down = turned(Vec3::new(0.0, 3.58, -0.5), Quat::from_rotation_x(-FRAC_PI_2));
     stage.light("ceiling light", ceiling_light, rgb(7.0, 6.8, 6.4), down);
-    stage.camera("camera", Vec3::new(0.0, 1.5, 4.2), Vec3::new(0.0, 0.75, -1.6), 50.0, Some(16.0 / 9.0));
+    stage.camera("camera", Vec3::new(0.0, 1.5, 4.3), Vec3::new(0.0, 0.72, -1.6), 50.0, Some(16.0 / 9.0));
     stage.finish()
 }

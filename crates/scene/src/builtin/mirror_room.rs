@@ -17,7 +17,7 @@ pub(super) const SCENE: BuiltinScene = BuiltinScene {
 };
 
 fn make(_: u32) -> Scene {
-    let mut stage = Stage::new(0.0);
+    let mut stage = Stage::new(0.6);
     let rgb = LinearRgb::new;
     let white = stage.material("white", lambert(rgb(0.72, 0.7, 0.66)));
     let ochre = stage.material("ochre", lambert(rgb(0.62, 0.38, 0.12)));

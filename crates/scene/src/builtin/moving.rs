@@ -35,11 +35,11 @@ fn make(_: u32) -> Scene {
     let ring = stage.place("ring", shapes::torus(0.42, 0.09, [96, 32]), yellow, at(0.9, 0.9, -0.9));
     let bar = stage.place("bar", shapes::rounded_cuboid(Vec3::new(0.9, 0.03, 0.05), 0.02, 3), steel, at(0.0, 1.6, -0.4));
 
-    let panel = LightShape::Rectangle { width: Meters(1.0), height: Meters(1.0) };
-    stage.light("panel", panel, rgb(4.0, 4.3, 4.8), turned(Vec3::new(0.0, 2.98, 1.0), Quat::from_rotation_x(-FRAC_PI_2)));
+    let panel = LightShape::Rectangle { width: Meters(1.4), height: Meters(1.0) };
+    stage.light("panel", panel, rgb(11.0, 11.8, 13.0), turned(Vec3::new(0.0, 2.98, 1.0), Quat::from_rotation_x(-FRAC_PI_2)));
     let spot = LightShape::Spot { inner: Radians::from_degrees(18.0), outer: Radians::from_degrees(28.0) };
     let lamp = Vec3::new(0.0, 2.8, 0.8);
-    let spot = stage.light("swinging spot", spot, rgb(22.0, 19.0, 14.0), looking(lamp, Vec3::new(0.0, 0.0, -0.8)));
+    let spot = stage.light("swinging spot", spot, rgb(48.0, 41.0, 30.0), looking(lamp, Vec3::new(0.0, 0.0, -0.8)));
     let eye = Vec3::new(0.0, 1.5, 3.2);
     let camera = stage.camera("camera", eye, Vec3::new(0.0, 0.8, -1.0), 48.0, Some(16.0 / 9.0));
 

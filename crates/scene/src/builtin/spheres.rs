@@ -1,4 +1,4 @@
-//! One sphere for each layer and extension of the glTF material, in three rows under two soft boxes.
+//! One sphere for each layer and extension of the glTF material, on three steps under two soft boxes.
 
 use super::BuiltinScene;
 use super::stage::{Stage, at, lambert, looking, metal, plastic};
@@ -16,27 +16,35 @@ pub(super) const SCENE: BuiltinScene = BuiltinScene {
 const RADIUS: f32 = 0.45;
 const SPACING: f32 = 1.12;
 const COLUMNS: usize = 6;
+/// Height of a step, m.
+const RISE: f32 = 0.55;
 
 fn make(_: u32) -> Scene {
     let mut stage = Stage::new(0.0);
-    let dark = stage.texture("checker", 2, 1.0, |x, y| if (x + y) % 2 == 0 { [150, 150, 150, 255] } else { [95, 95, 98, 255] });
-    let ground = stage.material("ground", Material { base_color_texture: Some(dark), ..lambert(LinearRgb::WHITE) });
-    stage.place("ground", shapes::floor(40.0, 40.0, 20.0), ground, at(0.0, 0.0, 0.0));
+    let tiles = stage.texture("tiles", 2, 1.0, |x, y| if (x + y) % 2 == 0 { [205, 203, 200, 255] } else { [165, 163, 162, 255] });
+    let ground = stage.material("ground", Material { base_color_texture: Some(tiles), ..lambert(LinearRgb::WHITE) });
+    stage.place("ground", shapes::floor(24.0, 24.0, 24.0), ground, at(0.0, 0.0, 0.0));
+    let stone = stage.material("step", lambert(LinearRgb::new(0.5, 0.49, 0.47)));
+    for row in 0..2 {
+        let half = Vec3::new(3.6, RISE * (2.0 - row as f32) / 2.0, SPACING / 2.0);
+        let step = shapes::rounded_cuboid(half, 0.02, 3);
+        stage.place(&format!("step {row}"), step, stone, at(0.0, half.y, (row as f32 - 1.0) * SPACING));
+    }
 
     let sphere = shapes::sphere(RADIUS, 96);
     for (index, (name, material)) in materials(&mut stage).into_iter().enumerate() {
         let (row, column) = (index / COLUMNS, index % COLUMNS);
         let material = stage.material(name, material);
         let x = (column as f32 - (COLUMNS as f32 - 1.0) / 2.0) * SPACING;
-        stage.place(name, sphere.clone(), material, at(x, RADIUS, (row as f32 - 1.0) * SPACING));
+        stage.place(name, sphere.clone(), material, at(x, RADIUS + RISE * (2 - row) as f32, (row as f32 - 1.0) * SPACING));
     }
 
     let soft_box = |width, height| LightShape::Rectangle { width: Meters(width), height: Meters(height) };
-    let target = Vec3::new(0.0, 0.4, 0.0);
-    stage.light("key", soft_box(3.0, 2.0), LinearRgb::new(9.0, 8.6, 8.0), looking(Vec3::new(-4.0, 5.0, 3.0), target));
-    stage.light("rim", soft_box(4.0, 0.8), LinearRgb::new(5.0, 5.6, 6.5), looking(Vec3::new(3.5, 3.5, -4.0), target));
-    stage.environment(LinearRgb::new(0.17, 0.18, 0.2));
-    stage.camera("camera", Vec3::new(0.0, 3.9, 7.6), Vec3::new(0.0, 0.25, 0.1), 33.0, Some(16.0 / 9.0));
+    let target = Vec3::new(0.0, 0.8, 0.0);
+    stage.light("key", soft_box(3.0, 2.0), LinearRgb::new(13.0, 12.4, 11.4), looking(Vec3::new(-4.0, 5.0, 3.0), target));
+    stage.light("rim", soft_box(4.0, 0.8), LinearRgb::new(8.0, 9.0, 10.4), looking(Vec3::new(3.5, 4.2, -4.0), target));
+    stage.environment(LinearRgb::new(0.3, 0.32, 0.36));
+    stage.camera("camera", Vec3::new(0.0, 3.0, 8.4), Vec3::new(0.0, 0.82, 0.0), 26.0, Some(16.0 / 9.0));
     stage.finish()
 }
 
@@ -84,7 +92,7 @@ fn materials(stage: &mut Stage) -> [(&'static str, Material); 3 * COLUMNS] {
                 ..plastic(rgb(0.75, 0.7, 0.2), 0.4)
             },
         ),
-        ("lamp (emissive)", Material { emission: rgb(4.0, 2.6, 1.2), ..lambert(rgb(0.8, 0.8, 0.8)) }),
+        ("lamp (emissive)", Material { emission: rgb(2.6, 1.7, 0.8), ..lambert(rgb(0.8, 0.8, 0.8)) }),
         (
             "brushed and turned (anisotropy)",
             Material { anisotropy: 0.8, anisotropy_rotation: Radians::from_degrees(90.0), ..metal(rgb(0.91, 0.78, 0.42), 0.35) },

@@ -28,8 +28,8 @@ fn make(triangles: u32) -> Scene {
     stage.place("terrain", mesh, ground, at(0.0, 0.0, 0.0));
 
     let sun = LightShape::Directional { half_angle: Radians(0.00465) };
-    stage.light("sun", sun, LinearRgb::new(3.2, 2.8, 2.2), looking(Vec3::new(-3.0, 1.9, 1.2), Vec3::ZERO));
-    stage.environment(LinearRgb::new(0.24, 0.33, 0.48));
+    stage.light("sun", sun, LinearRgb::new(4.2, 3.4, 2.4), looking(Vec3::new(-3.0, 1.2, -0.6), Vec3::ZERO));
+    stage.environment(LinearRgb::new(0.15, 0.22, 0.34));
     let eye_ground = height(0.0, 70.0);
     stage.camera("camera", Vec3::new(0.0, eye_ground + 14.0, 88.0), Vec3::new(0.0, 12.0, -10.0), 45.0, Some(16.0 / 9.0));
     stage.finish()

@@ -47,7 +47,7 @@ fn make(_: u32) -> Scene {
     let panel = LightShape::Rectangle { width: Meters(1.2), height: Meters(1.2) };
     let down = turned(Vec3::new(-1.5, SIZE.y - 0.01, 0.0), Quat::from_rotation_x(-FRAC_PI_2));
     stage.light("panel", panel, rgb(9.0, 8.4, 7.4), down);
-    stage.light("candle", LightShape::Sphere { radius: Meters(0.02) }, rgb(32.0, 15.0, 5.0), at(2.3, 0.5, 0.6));
-    stage.camera("camera", Vec3::new(0.0, 1.5, 6.2), Vec3::new(0.0, 1.2, 0.0), 41.0, Some(16.0 / 9.0));
+    stage.light("candle", LightShape::Sphere { radius: Meters(0.02) }, rgb(320.0, 150.0, 50.0), at(2.3, 0.5, 0.6));
+    stage.camera("camera", Vec3::new(0.0, 1.4, 6.2), Vec3::new(0.0, 1.27, 0.0), 33.0, Some(16.0 / 9.0));
     stage.finish()
 }

@@ -9,13 +9,13 @@ mod scan;
 mod tests;
 mod texture;
 
-use crate::gltf::tangents;
-use crate::{Ignored, Material, Mesh, Node, Scene, SceneError};
+use crate::gltf::{Folder, ResourceReader, tangents};
+use crate::{Ignored, ImportLimits, Material, Mesh, Node, Scene, SceneError};
 use glam::{Vec2, Vec3, Vec4};
 use kajo_units::linear_from_srgb;
 use std::cell::RefCell;
 use std::io::{BufRead, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use texture::Images;
 
@@ -27,14 +27,15 @@ use texture::Images;
 pub fn load_obj(path: &Path) -> Result<Scene, SceneError> {
     let file = path.display().to_string();
     let bytes = crate::files::read_file(path).map_err(|source| SceneError::Read { file: file.clone(), source })?;
-    parse_obj(&file, &bytes, path.parent())
+    let folder = Folder(path.parent().unwrap_or(Path::new("")).to_owned());
+    parse_obj(&file, &bytes, &folder, ImportLimits::default())
 }
 
-/// [`load_obj`] of bytes in memory; `file` only names them in messages. Without a `directory`, no other file is opened.
+/// [`load_obj`] of bytes in memory; `file` only names them in messages, `reader` hands out the files beside it.
 ///
 /// # Errors
 /// Those of [`load_obj`].
-pub fn parse_obj(file: &str, bytes: &[u8], directory: Option<&Path>) -> Result<Scene, SceneError> {
+pub fn parse_obj(file: &str, bytes: &[u8], reader: &dyn ResourceReader, limits: ImportLimits) -> Result<Scene, SceneError> {
     let scan = scan::scan(file, bytes)?;
     let mut notes = Notes { file, list: scan.notes };
     let libraries = RefCell::new(Vec::new());
@@ -42,7 +43,7 @@ pub fn parse_obj(file: &str, bytes: &[u8], directory: Option<&Path>) -> Result<S
     let options =
         tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
     let parsed = tobj::load_obj_buf(&mut lines, &options, |name| {
-        let (materials, note) = material_library(directory, name);
+        let (materials, note) = material_library(reader, name);
         libraries.borrow_mut().extend(note);
         Ok(materials)
     });
@@ -60,7 +61,7 @@ pub fn parse_obj(file: &str, bytes: &[u8], directory: Option<&Path>) -> Result<S
     for (name, line) in scan.materials.into_iter().filter(|(name, _)| !materials.iter().any(|m| m.name == *name)) {
         notes.add(format!("line {line}"), format!("usemtl {name}"), "no library has this material; grey stands in");
     }
-    let mut images = Images::new(directory);
+    let mut images = Images::new(reader, limits);
     let mut scene = Scene { name: file.into(), ..Scene::default() };
     for material in materials {
         let converted = material::convert(&material, &mut scene, &mut images, &mut notes)?;
@@ -107,13 +108,10 @@ impl Notes<'_> {
 type LibraryNote = (String, String);
 
 /// The materials of one library, and what could not be had of it.
-fn material_library(directory: Option<&Path>, name: &Path) -> (Materials, Vec<LibraryNote>) {
+fn material_library(reader: &dyn ResourceReader, name: &Path) -> (Materials, Vec<LibraryNote>) {
     let label = name.display().to_string();
     let without = |reason: String| (Materials::default(), vec![(label.clone(), format!("{reason}; grey stands in"))]);
-    let Some(directory) = directory else {
-        return without("not opened, since the scene was given without its directory".into());
-    };
-    let bytes = match crate::files::read_file(&portable(directory, &label)) {
+    let bytes = match reader.read(&portable(&label)) {
         Ok(bytes) => bytes,
         Err(error) => return without(format!("cannot be read ({error})")),
     };
@@ -137,8 +135,8 @@ impl<A, M, E> MapOf for Result<(A, M), E> {
 }
 
 /// A path inside a file, which may be written with the separators of another system.
-fn portable(directory: &Path, name: &str) -> PathBuf {
-    directory.join(name.replace('\\', "/"))
+fn portable(name: &str) -> String {
+    name.replace('\\', "/")
 }
 
 /// Reads from memory and counts lines, so that errors can name theirs.

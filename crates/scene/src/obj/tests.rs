@@ -1,13 +1,14 @@
 use super::*;
+use crate::gltf::NoResources;
 use crate::{AlphaMode, ColorSpace, SurfaceUv, Texels};
 use kajo_units::LinearRgb;
 
 fn parse(text: &str) -> Scene {
-    parse_obj("test.obj", text.as_bytes(), None).unwrap_or_else(|error| panic!("{error}"))
+    parse_obj("test.obj", text.as_bytes(), &NoResources, ImportLimits::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn refused(text: &str) -> String {
-    parse_obj("test.obj", text.as_bytes(), None).err().expect("refused").to_string()
+    parse_obj("test.obj", text.as_bytes(), &NoResources, ImportLimits::default()).err().expect("refused").to_string()
 }
 
 /// A square with texture coordinates and the given material library.
@@ -19,7 +20,7 @@ fn with_library(library: &str) -> Scene {
         image.save(directory.path().join(name)).unwrap();
     }
     let text = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3 4/4\n";
-    parse_obj("test.obj", text.as_bytes(), Some(directory.path())).unwrap()
+    parse_obj("test.obj", text.as_bytes(), &Folder(directory.path().to_owned()), ImportLimits::default()).unwrap()
 }
 
 fn features(scene: &Scene) -> Vec<&str> {

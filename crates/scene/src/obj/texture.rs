@@ -2,11 +2,11 @@
 
 use super::{Notes, portable};
 use crate::decode::{self, Encoded};
+use crate::gltf::ResourceReader;
 use crate::limits::{Budget, ImportLimits};
 use crate::{ColorSpace, Filter, Scene, SceneError, Texels, Texture, TextureImage, TextureRef, Wrap};
 use glam::{Affine2, Vec2, Vec4};
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A texture statement, parsed.
@@ -85,15 +85,15 @@ impl Statement {
 
 /// Images by file, each decoded once.
 pub struct Images<'a> {
-    directory: Option<&'a Path>,
-    decoded: HashMap<PathBuf, Option<Arc<TextureImage>>>,
+    reader: &'a dyn ResourceReader,
+    decoded: HashMap<String, Option<Arc<TextureImage>>>,
     budget: Budget,
 }
 
 impl<'a> Images<'a> {
-    /// Images under `directory`; without one, none is opened.
-    pub fn new(directory: Option<&'a Path>) -> Self {
-        Self { directory, decoded: HashMap::new(), budget: Budget::new(ImportLimits::default()) }
+    /// Images that `reader` hands out, within `limits`.
+    pub fn new(reader: &'a dyn ResourceReader, limits: ImportLimits) -> Self {
+        Self { reader, decoded: HashMap::new(), budget: Budget::new(limits) }
     }
 
     /// The image that `statement` names; a note and `None` where the file cannot be read.
@@ -101,19 +101,14 @@ impl<'a> Images<'a> {
     /// # Errors
     /// A file that is there and cannot be decoded.
     pub fn get(&mut self, statement: &Statement, place: &str, notes: &mut Notes) -> Result<Option<Arc<TextureImage>>, SceneError> {
-        let path = portable(self.directory.unwrap_or(Path::new("")), &statement.name);
+        let path = portable(&statement.name);
         if let Some(known) = self.decoded.get(&path) {
             return Ok(known.clone());
         }
-        let bytes = match self.directory {
-            None => Err("the scene was given without its directory".to_owned()),
-            Some(_) => crate::files::read_file(&path).map_err(|error| error.to_string()),
-        };
-        let image = match bytes {
+        let image = match self.reader.read(&path) {
             Ok(bytes) => {
-                let file = path.display().to_string();
-                let name = path.file_name().map_or_else(|| file.clone(), |name| name.to_string_lossy().into_owned());
-                let encoded = Encoded { file: &file, place: "image".into(), name, bytes: &bytes };
+                let name = path.rsplit('/').next().unwrap_or(&path).to_owned();
+                let encoded = Encoded { file: &path, place: "image".into(), name, bytes: &bytes };
                 Some(Arc::new(decode::decode(&encoded, &self.budget)?))
             }
             Err(reason) => {

@@ -19,6 +19,8 @@ pub enum Resource<'a> {
     Samplers(&'a [wgpu::Sampler]),
     /// A whole buffer, uniform or storage.
     Buffer(&'a wgpu::Buffer),
+    /// Part of a buffer: the buffer, the first byte and the number of bytes.
+    Range(&'a wgpu::Buffer, u64, u64),
     /// A top-level acceleration structure.
     Tlas(&'a wgpu::Tlas),
 }
@@ -30,7 +32,7 @@ impl Resource<'_> {
             Self::Views(_) => "list of texture views",
             Self::Sampler(_) => "sampler",
             Self::Samplers(_) => "list of samplers",
-            Self::Buffer(_) => "buffer",
+            Self::Buffer(_) | Self::Range(..) => "buffer",
             Self::Tlas(_) => "acceleration structure",
         }
     }
@@ -42,7 +44,7 @@ impl Resource<'_> {
             (Self::Views(_), BindingKind::Texture { .. }) => list,
             (Self::Sampler(_), BindingKind::Sampler { .. }) => !list,
             (Self::Samplers(_), BindingKind::Sampler { .. }) => list,
-            (Self::Buffer(_), BindingKind::Uniform { .. } | BindingKind::Storage { .. }) => !list,
+            (Self::Buffer(_) | Self::Range(..), BindingKind::Uniform { .. } | BindingKind::Storage { .. }) => !list,
             (Self::Tlas(_), BindingKind::AccelerationStructure) => !list,
             _ => false,
         }
@@ -170,6 +172,9 @@ pub(crate) fn group(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, entri
                 Resource::Sampler(sampler) => wgpu::BindingResource::Sampler(sampler),
                 Resource::Samplers(_) => wgpu::BindingResource::SamplerArray(&samplers[i]),
                 Resource::Buffer(buffer) => buffer.as_entire_binding(),
+                Resource::Range(buffer, offset, size) => {
+                    wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: *offset, size: std::num::NonZeroU64::new(*size) })
+                }
                 Resource::Tlas(tlas) => tlas.as_binding(),
             },
         })

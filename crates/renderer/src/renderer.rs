@@ -16,6 +16,7 @@ use kajo_image::Image;
 use kajo_render_graph::wgpu::{self, BufferUsages};
 use kajo_render_graph::{Bindings, Buffer, Device, Graph, Pool, Timings, slot};
 use kajo_scene::{Environment, Ignored, Scene, Snapshot};
+use kajo_shader_lib::BSDF_TABLES;
 use kajo_techniques::{Coverage, Effect, FrameContext, MakeContext, Role, TraceBackend, View};
 use kajo_units::LinearRgb;
 
@@ -32,6 +33,7 @@ pub struct Renderer {
     textures: Textures,
     materials: Buffer,
     lights: Buffer,
+    bsdf_tables: Buffer,
     frame: Buffer,
     trace: TraceScene,
     gbuffer: GBuffer,
@@ -78,6 +80,7 @@ impl Renderer {
             bounds: bounds(snapshot),
             materials: device.buffer_with("materials", &materials::pack_all(scene), BufferUsages::STORAGE)?,
             lights: device.buffer("lights", (count * size_of::<GpuLight>()) as u64, BufferUsages::STORAGE | BufferUsages::COPY_DST)?,
+            bsdf_tables: device.buffer_with(BSDF_TABLES, &kajo_shader_lib::bsdf_tables(), BufferUsages::STORAGE)?,
             frame: device.buffer("frame", size_of::<GpuFrame>() as u64, BufferUsages::UNIFORM | BufferUsages::COPY_DST)?,
             gbuffer: GBuffer::new(setup)?,
             background: Background::new(setup, scene.environment.as_ref())?,
@@ -267,7 +270,8 @@ impl Renderer {
             .with("attributes", &self.geometry.attributes)
             .with("indices", &self.geometry.indices)
             .with("materials", &self.materials)
-            .with("lights", &self.lights);
+            .with("lights", &self.lights)
+            .with(BSDF_TABLES, &self.bsdf_tables);
         FrameContext {
             device: &self.device,
             view: *view,

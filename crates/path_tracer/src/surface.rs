@@ -16,17 +16,20 @@
 use crate::lights::Lights;
 use crate::world::{MaterialInfo, Placed, World, interpolate};
 use glam::{Vec2, Vec3};
-use kajo_bsdf::{BsdfSample, BsdfView, LobeValues};
+use kajo_bsdf::{Bsdf, BsdfSample, BsdfView, LobeValues};
 use kajo_bvh::{Hit, PrimitiveRef, SurfacePoint, offset_origin};
 use kajo_sampling::Frame;
 use kajo_scene::SurfaceMaterial;
 use kajo_units::{LinearRgb, Radians};
+use std::borrow::Cow;
 
 /// A point on a surface, as seen from `wo`.
-pub(crate) struct Surface {
+pub(crate) struct Surface<'a> {
     pub point: SurfacePoint,
     pub primitive: PrimitiveRef,
-    pub material: SurfaceMaterial,
+    pub material: Cow<'a, SurfaceMaterial>,
+    /// The BSDF, where the material has prepared it.
+    prepared: Option<&'a Bsdf>,
     /// Index of the material.
     pub material_index: u32,
     /// The front face is seen: the one whose winding is counter-clockwise.
@@ -46,9 +49,9 @@ pub(crate) struct Surface {
 /// Least cosine between the bent mirror direction and the geometric surface: keeps it clear of rounding.
 const MIRROR_ABOVE: f32 = 1e-3;
 
-impl Surface {
+impl<'a> Surface<'a> {
     /// `wo` points to where the ray came from, unit length. `None` for a triangle without area.
-    pub(crate) fn new(world: &World, hit: &Hit, wo: Vec3, lift: bool) -> Option<Self> {
+    pub(crate) fn new(world: &'a World, hit: &Hit, wo: Vec3, lift: bool) -> Option<Self> {
         let placed = &world.instances[hit.instance as usize];
         let info = &world.materials[placed.material as usize];
         let triangle = placed.triangle(hit.primitive);
@@ -67,6 +70,7 @@ impl Surface {
         if info.needs_tangent {
             let (vertex_frame, sign) = placed.tangent_frame(hit.primitive, weights, vertex_normal);
             let to_world = |v: Vec3| vertex_frame.to_world(Vec3::new(v.x, sign * v.y, v.z));
+            let material = material.to_mut();
             normal = to_world(material.normal).normalize_or(vertex_normal);
             let (sin, cos) = material.params.anisotropy_rotation.0.sin_cos();
             tangent = to_world(Vec3::new(cos, sin, 0.0));
@@ -81,14 +85,17 @@ impl Surface {
         let z = frame_side * normal;
         let frame = if info.needs_tangent { Frame::from_z_tangent(z, tangent) } else { Frame::from_z(z) };
         if info.needs_tangent {
+            let material = material.to_mut();
             let coat = frame_side * bent(side * material.params.clearcoat_normal, geometric_normal, wo);
             material.params.clearcoat_normal = frame.to_local(coat).normalize_or(Vec3::Z);
         }
-        let lifted = if lift && !material_transmits { placed.lifted(hit.primitive, weights, point.position, side) } else { point.position };
+        let prepared = info.bsdf.as_ref().filter(|_| matches!(material, Cow::Borrowed(_)));
+        let lifted = if lift && !placed.flat && !material_transmits { placed.lifted(hit.primitive, weights, point.position, side) } else { point.position };
         Some(Self {
             point,
             primitive: hit.primitive_ref(),
             material,
+            prepared,
             material_index: placed.material,
             front,
             geometric_normal,
@@ -106,6 +113,15 @@ impl Surface {
         let material = &world.scene.materials[self.material_index as usize];
         let emits = !self.material.emission.is_black() && (self.front || material.double_sided || material.unlit);
         emits.then(|| Some((lights.of_instance(self.primitive.instance)?, self.material.emission))).flatten()
+    }
+
+    /// The BSDF at the point.
+    #[inline]
+    pub(crate) fn bsdf(&self) -> Cow<'a, Bsdf> {
+        match self.prepared {
+            Some(bsdf) => Cow::Borrowed(bsdf),
+            None => Cow::Owned(Bsdf::new(&self.material.params)),
+        }
     }
 
     /// True for a surface that shows its base colour and scatters nothing: every ray that meets it sees it, no shadow ray looks for it.
@@ -197,19 +213,19 @@ fn bent(normal: Vec3, geometric: Vec3, wo: Vec3) -> Vec3 {
 }
 
 impl Placed {
-    fn material_at(&self, world: &World, info: &MaterialInfo, hit: &Hit) -> SurfaceMaterial {
-        match info.constant {
-            Some(material) if self.mesh.colors.is_empty() => material,
+    fn material_at<'a>(&self, world: &'a World, info: &'a MaterialInfo, hit: &Hit) -> Cow<'a, SurfaceMaterial> {
+        match &info.constant {
+            Some(material) if self.mesh.colors.is_empty() => Cow::Borrowed(material),
             _ => {
                 let material = &world.scene.materials[self.material as usize];
-                material.at(&world.scene, &self.uv_at(hit.primitive, hit.u, hit.v))
+                Cow::Owned(material.at(&world.scene, &self.uv_at(hit.primitive, hit.u, hit.v)))
             }
         }
     }
 
     /// Unit vertex normal in the world, on the side of the geometric normal.
     fn normal_at(&self, primitive: u32, weights: [f32; 3], geometric: Vec3) -> Vec3 {
-        if self.mesh.normals.is_empty() {
+        if self.flat {
             return geometric;
         }
         let object: Vec3 = interpolate(&self.mesh.normals, self.mesh.indices[primitive as usize], weights);
@@ -243,9 +259,6 @@ impl Placed {
 
     /// The point raised to the mean of its projections on those tangent planes of the vertices that lie above it.    [Hanika21]
     fn lifted(&self, primitive: u32, weights: [f32; 3], position: Vec3, side: f32) -> Vec3 {
-        if self.mesh.normals.is_empty() {
-            return position;
-        }
         let corners = self.world_triangle(primitive);
         let indices = self.mesh.indices[primitive as usize];
         let mut lift = Vec3::ZERO;

@@ -2,6 +2,7 @@
 
 use crate::PathTracerError;
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec4};
+use kajo_bsdf::Bsdf;
 use kajo_bvh::{Blas, BuildOptions, BvhInstance, Filter, Hit, PrimitiveRef, Ray, Tlas};
 use kajo_sampling::{hash_u64, unit_f32};
 use kajo_scene::{Material, Mesh, Scene, Snapshot, SurfaceMaterial, SurfaceUv};
@@ -31,6 +32,8 @@ pub(crate) struct Placed {
     pub normal_from_object: Mat3A,
     /// −1 for a mirroring transform, else 1.
     pub handedness: f32,
+    /// The vertex normals say nothing that the triangles do not.
+    pub flat: bool,
 }
 
 /// What is known of a material before any hit.
@@ -38,6 +41,8 @@ pub(crate) struct Placed {
 pub(crate) struct MaterialInfo {
     /// The material everywhere, when it has no textures.
     pub constant: Option<SurfaceMaterial>,
+    /// Its BSDF, when that does not depend on tangents either.
+    pub bsdf: Option<Bsdf>,
     pub alpha_test: bool,
     /// A tangent frame is worth computing.
     pub needs_tangent: bool,
@@ -46,10 +51,13 @@ pub(crate) struct MaterialInfo {
 impl MaterialInfo {
     fn new(scene: &Scene, material: &Material) -> Self {
         let constant = textures(material).iter().all(|t| t.is_none()).then(|| material.at(scene, &SurfaceUv::default()));
+        let needs_tangent =
+            material.normal_texture.is_some() || material.clearcoat_normal_texture.is_some() || material.anisotropy > 0.0;
         Self {
+            bsdf: constant.as_ref().filter(|_| !needs_tangent).map(|constant| Bsdf::new(&constant.params)),
             constant,
+            needs_tangent,
             alpha_test: material.needs_alpha_test(),
-            needs_tangent: material.normal_texture.is_some() || material.clearcoat_normal_texture.is_some() || material.anisotropy > 0.0,
         }
     }
 }
@@ -89,6 +97,7 @@ impl World {
             })
             .collect::<Result<Vec<_>, _>>()?;
         let materials: Vec<_> = scene.materials.iter().map(|material| MaterialInfo::new(scene, material)).collect();
+        let flat: Vec<bool> = snapshot.meshes.par_iter().map(|mesh| is_flat(mesh)).collect();
         let instances: Vec<_> = snapshot
             .instances
             .iter()
@@ -104,6 +113,7 @@ impl World {
                 );
                 let handedness = 1.0f32.copysign(determinant);
                 Placed {
+                    flat: flat[instance.mesh],
                     material: mesh.material as u32,
                     mesh,
                     world_from_object: instance.world_from_object,
@@ -156,6 +166,18 @@ impl World {
             unit_f32((hash_u64(chance ^ hash_u64(triangle)) >> 32) as u32) < coverage
         }
     }
+}
+
+/// Whether every triangle's vertex normals are its own normal.
+fn is_flat(mesh: &Mesh) -> bool {
+    /// Squared length of a difference of unit vectors that is rounding.
+    const ROUNDING: f32 = 1e-11;
+    mesh.normals.is_empty()
+        || mesh.indices.iter().all(|triangle| {
+            let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            normal == Vec3::ZERO || triangle.iter().all(|&i| mesh.normals[i as usize].distance_squared(normal) < ROUNDING)
+        })
 }
 
 /// Interpolates three vertex values, `weights` summing to 1.

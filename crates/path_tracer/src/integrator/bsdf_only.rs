@@ -5,7 +5,7 @@
 
 use super::{Chance, Context, Sink, Split, TracedRay, open_ray, transmittance};
 use crate::surface::Surface;
-use kajo_bsdf::{Bsdf, Lobe};
+use kajo_bsdf::Lobe;
 use kajo_sampling::Sampler;
 use kajo_units::LinearRgb;
 
@@ -38,7 +38,7 @@ impl Context<'_> {
                 return;
             }
             sampler.start_bounce(bounces);
-            let bsdf = Bsdf::new(&surface.material.params);
+            let bsdf = surface.bsdf();
             let Some(sample) = bsdf.sample(surface.frame.to_local(wo), sampler.next_1d(), sampler.next_2d()) else { return };
             let Some(wi) = surface.direction_of(&sample) else { return };
             (diffuse, specular) = if bounces == 0 {

@@ -10,7 +10,7 @@ use super::{Chance, Context, Sink, Split, TracedRay, open_ray, transmittance};
 use crate::settings::Strategy;
 use crate::surface::Surface;
 use glam::Vec2;
-use kajo_bsdf::{Bsdf, BsdfView, Lobe};
+use kajo_bsdf::{BsdfView, Lobe};
 use kajo_bvh::Ray;
 use kajo_sampling::{Sampler, power_heuristic};
 use kajo_units::LinearRgb;
@@ -60,7 +60,7 @@ impl Context<'_> {
                 return;
             }
 
-            let bsdf = Bsdf::new(&surface.material.params);
+            let bsdf = surface.bsdf();
             let view = bsdf.view(surface.frame.to_local(wo));
             sampler.start_bounce(dimensions + bounces);
             let (choice, on_light) = (sampler.next_1d(), sampler.next_2d());

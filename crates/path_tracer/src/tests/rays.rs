@@ -6,7 +6,6 @@ use crate::surface::Surface;
 use crate::world::World;
 use crate::{Filter, Integrator, RussianRoulette, Settings, Tracer};
 use glam::{DVec3, UVec2, Vec2, Vec3};
-use kajo_bsdf::Bsdf;
 use kajo_bvh::Ray;
 use kajo_scene::{Material, shapes};
 
@@ -71,7 +70,7 @@ fn follow(tracer: &Tracer, origin: Vec3, direction: Vec3, lobe: f32, until: u32)
         if surface.material_index == until {
             break;
         }
-        let bsdf = Bsdf::new(&surface.material.params);
+        let bsdf = surface.bsdf();
         let sample = bsdf.sample(surface.frame.to_local(-ray.direction), lobe, Vec2::splat(0.5)).expect("a smooth lobe");
         let wi = surface.direction_of(&sample).expect("a direction on the right side");
         ray = Ray::new(surface.origin_towards(wi), wi);

@@ -162,6 +162,8 @@ pub(super) struct Base {
     /// 1 / (π (1 − Ē)).
     ms_scale: f32,
     film: Option<FilmFresnel>,
+    /// Nothing but the diffuse lobe: facets need not be looked at.
+    is_lambert: bool,
 }
 
 impl Base {
@@ -202,6 +204,7 @@ impl Base {
             ms: if white < 1.0 - 1e-5 { ms } else { Vec3::ZERO },
             ms_scale: FRAC_1_PI / (1.0 - white).max(1e-5),
             film,
+            is_lambert: film.is_none() && f0 == Vec3::ZERO && f90 == Vec3::ZERO && opaque == 1.0,
         }
     }
 
@@ -263,6 +266,10 @@ pub(super) struct BaseView {
 impl BaseView {
     #[inline]
     pub fn new(base: &Base, wo: Vec3) -> Self {
+        if base.is_lambert {
+            let diffuse_chance = mean(base.diffuse_albedo);
+            return Self { wo, specular_albedo: Vec3::ZERO, lost: 0.0, below: 1.0, diffuse_chance, specular_chance: 0.0 };
+        }
         let e = base.facets.albedo(wo);
         let (specular_albedo, layer) = base.albedos(wo, e);
         let (lost, below) = ((1.0 - e.white()).max(0.0), (1.0 - layer).max(0.0));
@@ -278,12 +285,15 @@ impl BaseView {
 
     #[inline]
     pub fn facets(&self, base: &Base, wi: Vec3) -> Option<FacetPair> {
-        base.facets.pair(self.wo, wi)
+        if base.is_lambert { None } else { base.facets.pair(self.wo, wi) }
     }
 
     /// Diffuse and specular f cos θi of a direction above the surface.
     #[inline]
     pub fn eval(&self, base: &Base, wi: Vec3, facets: Option<&FacetPair>) -> (Vec3, Vec3) {
+        if base.is_lambert {
+            return (base.diffuse_scale * wi.z, Vec3::ZERO);
+        }
         let e = base.facets.albedo(wi);
         let mut diffuse = Vec3::ZERO;
         if base.diffuse_albedo != Vec3::ZERO {

@@ -22,6 +22,8 @@ pub use role::Role;
 pub use technique::{Effect, Technique};
 pub use view::View;
 
+use kajo_params::ParamValues;
+
 /// Every technique, in the order of every list.
 pub fn all() -> impl Iterator<Item = &'static Technique> {
     shadow::ALL.iter().chain(tone::ALL).copied()
@@ -43,6 +45,17 @@ pub fn find(id: &str) -> Result<&'static Technique, Error> {
         let known = all().map(|technique| technique.id).collect::<Vec<_>>().join(", ");
         Error::UnknownTechnique { got: id.to_owned(), nearest, known }
     })
+}
+
+/// Reads `ID[:param=value,…]`; parameters that are not given keep their defaults.
+///
+/// # Errors
+/// Those of [`find`] and [`Technique::parse_params`].
+pub fn parse(text: &str) -> Result<(&'static Technique, ParamValues), Error> {
+    let (id, params) = text.split_once(':').unwrap_or((text, ""));
+    let technique = find(id)?;
+    let pairs = params.split(',').filter(|pair| !pair.is_empty()).map(|pair| pair.split_once('=').unwrap_or((pair, "")));
+    Ok((technique, technique.parse_params(&pairs.collect::<Vec<_>>())?))
 }
 
 /// What a role gets where nobody chooses.

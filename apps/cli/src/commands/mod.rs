@@ -7,6 +7,7 @@ mod info;
 mod metrics;
 mod render;
 mod scenes;
+mod techniques;
 
 use crate::arguments::{Bench, Command, Kajo};
 use crate::failure::Outcome;
@@ -22,6 +23,7 @@ pub fn run(arguments: &Kajo) -> Outcome {
         Command::Metrics(arguments) => metrics::run(common, arguments),
         Command::Render(arguments) => render::run(common, arguments),
         Command::Scenes => scenes::run(common),
+        Command::Techniques { id, markdown } => techniques::run(common, id.as_deref(), *markdown),
         _ => unreachable!(),
     }
 }

@@ -26,14 +26,23 @@ pub fn run(common: &Common, id: Option<&str>, markdown: bool) -> Outcome {
     let rows: Vec<Vec<String>> = technique
         .params
         .iter()
-        .map(|p| vec![p.name.into(), p.default.to_string(), range(p), p.unit.into(), p.doc.split_whitespace().collect::<Vec<_>>().join(" ")])
+        .map(|p| {
+            vec![p.name.into(), p.default.to_string(), range(p), p.unit.into(), p.doc.split_whitespace().collect::<Vec<_>>().join(" ")]
+        })
         .collect();
     let params = match rows.is_empty() {
         true => "No parameters.\n".into(),
         false => output::table(&["parameter", "default", "range", "unit", "what"], &rows),
     };
     let cites = if technique.cites.is_empty() { String::new() } else { format!("Sources: {}\n", technique.cites.join(", ")) };
-    let head = format!("{}: {}\nRole {}: {}, {}\n", technique.id, technique.title, technique.role, technique.role.estimates(), technique.role.unit());
+    let head = format!(
+        "{}: {}\nRole {}: {}, {}\n",
+        technique.id,
+        technique.title,
+        technique.role,
+        technique.role.estimates(),
+        technique.role.unit()
+    );
     output::text(&format!("{head}\n{}\n\n{cites}{params}", technique.doc.trim()))
 }
 
@@ -47,7 +56,8 @@ pub fn as_markdown() -> String {
 }
 
 fn as_json(technique: &Technique) -> Value {
-    let param = |p: &ParamSpec| json!({ "name": p.name, "doc": p.doc, "default": p.default.to_string(), "range": range(p), "unit": p.unit });
+    let param =
+        |p: &ParamSpec| json!({ "name": p.name, "doc": p.doc, "default": p.default.to_string(), "range": range(p), "unit": p.unit });
     json!({
         "id": technique.id,
         "title": technique.title,

@@ -1,5 +1,6 @@
 //! `kajo render`: one image, or a sequence of them.
 
+mod realtime;
 mod reference;
 mod write;
 
@@ -17,7 +18,7 @@ pub fn run(common: &Common, arguments: &Render) -> Outcome {
     for (time, output) in frames(arguments) {
         match arguments.renderer {
             RendererChoice::Reference => reference::run(common, arguments, &scene, time, &output)?,
-            RendererChoice::Realtime => return Err(Failure::run("the real-time renderer is not in this build")),
+            RendererChoice::Realtime => realtime::run(common, arguments, &scene, time, &output)?,
         }
     }
     Ok(())

@@ -59,16 +59,14 @@ fn roles(words: &[String]) -> Outcome<RoleSelection> {
             .filter(|(role, _)| !role.contains(['/', ':']))
             .ok_or_else(|| Failure::usage(format!("--technique takes ROLE=ID[:param=value,…]; got `{word}`")))?;
         let role: Role = role.parse().map_err(usage)?;
-        let (id, params) = rest.split_once(':').unwrap_or((rest, ""));
-        let technique = kajo_techniques::find(id).map_err(usage)?;
+        let (technique, params) = kajo_techniques::parse(rest).map_err(usage)?;
         if technique.role != role {
-            return Err(Failure::usage(format!("{id} fills the role {}, not {role}", technique.role)));
+            return Err(Failure::usage(format!("{} fills the role {}, not {role}", technique.id, technique.role)));
         }
         if role == Role::ToneMap {
             return Err(Failure::usage("the tone map is chosen by --tone-map"));
         }
-        let pairs = kajo_params::parse_pairs(params).map_err(|error| Failure::Usage(error.into()))?;
-        roles = roles.with(technique, technique.parse_params(&pairs).map_err(usage)?);
+        roles = roles.with(technique, params);
     }
     Ok(roles)
 }
@@ -95,7 +93,8 @@ fn layers(frame: &FrameOutput, lights: &[&str]) -> Vec<Layer> {
 
 /// The layers that `--aov` names; `all` is every one, `visibility.*` those of every light.
 fn chosen_layers(words: &[String], layers: Vec<Layer>) -> Outcome<Vec<Layer>> {
-    let matches = |word: &str, name: &str| word == "all" || word == name || word.strip_suffix('*').is_some_and(|start| name.starts_with(start));
+    let matches =
+        |word: &str, name: &str| word == "all" || word == name || word.strip_suffix('*').is_some_and(|start| name.starts_with(start));
     for word in words.iter().filter(|word| *word != "beauty") {
         if !layers.iter().any(|layer| matches(word, &layer.name)) {
             let known: Vec<&str> = layers.iter().map(|layer| layer.name.as_str()).collect();

@@ -33,6 +33,12 @@ pub enum LabError {
     /// A scene that cannot be loaded.
     #[error(transparent)]
     Scene(#[from] kajo_scene::SceneError),
+    /// A role, a technique or a parameter that does not exist.
+    #[error(transparent)]
+    Technique(#[from] kajo_techniques::Error),
+    /// No adapter, or one that fails.
+    #[error(transparent)]
+    Device(#[from] kajo_render_graph::Error),
     /// A reference that cannot be rendered.
     #[error(transparent)]
     Tracer(#[from] kajo_path_tracer::PathTracerError),

@@ -1,17 +1,24 @@
 //! Experiments over the registry of techniques: error and cost of each against the path-traced reference, and the report.
+//!
+//! [`compare`] is the whole experiment: for each scene one rendering of the path tracer gives a [judge](judge::Judge) for each role; each
+//! technique gives images for several seeds and the cost of a frame; [`report`] turns them into advice, [`html`] into a page.
 
 mod error;
 mod evaluate;
+mod experiment;
 mod host;
 pub mod html;
-mod judge;
+pub mod judge;
+mod measure;
 mod options;
+mod plan;
 mod progress;
 mod reference;
 pub mod report;
 mod staging;
+mod subject;
 
 pub use error::LabError;
+pub use experiment::compare;
 pub use options::{CompareOptions, ReferenceStop};
 pub use progress::{Progress, Unwatched};
-pub use staging::Staging;

@@ -1,0 +1,309 @@
+//! The experiment: scenes × roles × techniques.
+
+use crate::evaluate::{Evaluation, difference, evaluate, pictures, reference_exr, reference_picture, run_exr};
+use crate::html::{Pictures, page};
+use crate::judge::Judge;
+use crate::measure::{Measured, WARM_UP_FRAMES, measure};
+use crate::plan::{Choice, Plan, plan};
+use crate::reference::{MAX_LIGHTS, References, references};
+use crate::report::{Candidate, DeviceEntry, OK, ReferenceEntry, Report, Run, Settings, decide, to_csv};
+use crate::staging::{MANIFEST, PAGE, Staging};
+use crate::subject::Subject;
+use crate::{CompareOptions, LabError, Progress, ReferenceStop, host};
+use kajo_image::write_png;
+use kajo_image_metrics::MseDifference;
+use kajo_render_graph::Device;
+use kajo_renderer::{FrameSettings, Renderer, RendererSettings, RoleSelection};
+use kajo_techniques::Role;
+use std::collections::BTreeMap;
+
+/// Share of a scene's time that the reference takes, for the progress bar.
+const REFERENCE_SHARE: f64 = 0.6;
+
+/// Compares techniques on scenes and writes the report.
+///
+/// # Errors
+/// Unknown names, scenes that cannot be loaded, no adapter, a folder that cannot be written to, an interruption before the first
+/// result. A technique that cannot run is no error; it is listed as skipped.
+pub fn compare(options: &CompareOptions, progress: &dyn Progress) -> Result<Report, LabError> {
+    let plan = plan(options)?;
+    let staging = Staging::new(&options.output)?;
+    let device = Device::new()?;
+    let threads = options.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| LabError::Nothing { reason: e.to_string() })?;
+    let report = Report {
+        kajo: env!("CARGO_PKG_VERSION").into(),
+        command: options.command(),
+        created: host::now(),
+        complete: true,
+        device: Some(device_entry(&device)),
+        host: host::host(threads),
+        settings: settings(options),
+        warnings: warnings(options, &device),
+        ..Report::default()
+    };
+    let mut experiment = Experiment { options, plan, device, pool, progress, staging, report, pictures: Pictures::default() };
+    for index in 0..options.scenes.len() {
+        if !experiment.scene(index)? {
+            experiment.report.complete = false;
+            break;
+        }
+    }
+    if experiment.report.runs.iter().all(|run| !run.is_ok()) && !experiment.report.complete {
+        return Err(LabError::Interrupted);
+    }
+    experiment.finish()
+}
+
+fn device_entry(device: &Device) -> DeviceEntry {
+    let info = device.info();
+    DeviceEntry {
+        name: info.name.clone(),
+        driver: info.driver.clone(),
+        kind: info.kind.into(),
+        backend: info.backend.clone(),
+        ray_query: info.ray_query,
+        timestamps: info.timestamps,
+    }
+}
+
+fn settings(options: &CompareOptions) -> Settings {
+    let (reference_spp, reference_noise) = match options.reference {
+        ReferenceStop::Spp(spp) => (Some(spp), None),
+        ReferenceStop::Noise(error) => (None, Some(error)),
+    };
+    Settings {
+        frames: options.frames,
+        warm_up_frames: WARM_UP_FRAMES,
+        repeat: options.repeat,
+        budget_ms: options.budget_ms,
+        seed: options.seed,
+        reference_spp,
+        reference_noise,
+        time: options.time,
+    }
+}
+
+fn warnings(options: &CompareOptions, device: &Device) -> Vec<String> {
+    let mut out = Vec::new();
+    if device_entry(device).is_software() {
+        out.push("Times are those of a software adapter: a processor plays the GPU. Errors are valid; times rank techniques on this machine only.".into());
+    }
+    if !device.info().timestamps {
+        out.push("The device has no timers: passes are timed from outside, which adds the cost of a submission to each.".into());
+    }
+    if options.repeat == 1 {
+        out.push(
+            "One repeat: bias and noise are not told apart, and the spread over seeds is missing from how sure a recommendation is.".into(),
+        );
+    }
+    out
+}
+
+struct Experiment<'a> {
+    options: &'a CompareOptions,
+    plan: Plan,
+    device: Device,
+    pool: rayon::ThreadPool,
+    progress: &'a dyn Progress,
+    staging: Staging,
+    report: Report,
+    pictures: Pictures,
+}
+
+impl Experiment<'_> {
+    /// All roles of one scene. False when interrupted.
+    fn scene(&mut self, index: usize) -> Result<bool, LabError> {
+        let count = self.options.scenes.len() as f64;
+        let share = |f: f64| (index as f64 + f) / count;
+        self.progress.at("scene", share(0.0));
+        let subject = Subject::load(self.options, index)?;
+        self.report.ignored.extend(subject.scene.ignored.iter().cloned());
+        let tracer = subject.tracer()?;
+        let roles: Vec<&str> = self.plan.iter().map(|(role, _)| role.id()).collect();
+        let settings = subject.tracer_settings(self.options);
+        let reference_share = |f: f64| share(f * REFERENCE_SHARE);
+        let rendered =
+            self.pool.install(|| references(&tracer, &roles, &settings, self.options.reference, self.progress, &reference_share))?;
+        let Some(references) = rendered else { return Ok(false) };
+        self.warn_about(&subject, &references);
+
+        let mut renderer = self.renderer(&subject);
+        let total: usize = self.plan.iter().map(|(_, choices)| choices.len()).sum();
+        let mut done = 0;
+        for (role, choices) in self.plan.clone() {
+            let Some(judge) = references.judges.get(role.id()) else {
+                self.report.warnings.push(format!("{} has no light that {} could be judged by.", subject.name, role.id()));
+                continue;
+            };
+            let slug = self.reference(&subject, role, judge, &references)?;
+            let mut evaluated = Vec::new();
+            for choice in &choices {
+                let fraction = REFERENCE_SHARE + (1.0 - REFERENCE_SHARE) * done as f64 / total as f64;
+                self.progress.at(choice.technique.id, share(fraction));
+                if self.progress.interrupted() {
+                    self.decide(&subject, role, judge, &evaluated);
+                    return Ok(false);
+                }
+                evaluated.extend(self.run(&subject, role, choice, judge, renderer.as_mut(), &slug)?);
+                done += 1;
+            }
+            self.decide(&subject, role, judge, &evaluated);
+        }
+        self.progress.at("scene", share(1.0));
+        Ok(true)
+    }
+
+    fn warn_about(&mut self, subject: &Subject, references: &References) {
+        let name = &subject.name;
+        let mut warn = |text: String| self.report.warnings.push(text);
+        if references.invalid_samples > 0 {
+            warn(format!("{name}: {} samples of the reference were NaN or infinite and count as black.", references.invalid_samples));
+        }
+        if subject.snapshot.lights.len() > MAX_LIGHTS {
+            warn(format!("{name}: visibility is judged for the first {MAX_LIGHTS} of {} lights.", subject.snapshot.lights.len()));
+        }
+    }
+
+    /// The scene on the device, after one frame that makes what all techniques share; or the reason why not.
+    fn renderer(&mut self, subject: &Subject) -> Result<Renderer, String> {
+        let settings = RendererSettings { camera: subject.camera, ..RendererSettings::new(subject.size) };
+        let made = Renderer::new(&self.device, &subject.scene, &subject.snapshot, settings).and_then(|mut renderer| {
+            renderer.render(&RoleSelection::new(), &FrameSettings::default())?;
+            Ok(renderer)
+        });
+        match made {
+            Ok(renderer) => {
+                let new: Vec<_> = renderer.ignored().into_iter().filter(|i| !self.report.ignored.contains(i)).collect();
+                self.report.ignored.extend(new);
+                Ok(renderer)
+            }
+            Err(error) => Err(error.to_string()),
+        }
+    }
+
+    /// Files and entry of a role's reference; returns the folder of its images.
+    fn reference(&mut self, subject: &Subject, role: Role, judge: &Judge, found: &References) -> Result<String, LabError> {
+        let folder = format!("images/{}/{}", subject.slug, role.id());
+        let picture = reference_picture(judge);
+        let files = BTreeMap::from([("png", format!("{folder}/reference.png")), ("exr", format!("{folder}/reference.exr"))]);
+        write_png(&self.staging.place(&files["png"])?, &picture, &BTreeMap::new())?;
+        reference_exr(judge).write(&self.staging.place(&files["exr"])?)?;
+        self.pictures.references.push(Some(picture));
+        self.report.references.push(ReferenceEntry {
+            scene: subject.name.clone(),
+            role: role.id().into(),
+            role_title: role.title().into(),
+            estimates: role.estimates().into(),
+            unit: role.unit().into(),
+            judged_by: judge.parts.iter().map(|p| p.name.clone()).collect(),
+            size: judge.size().to_array(),
+            spp: found.spp,
+            relative_standard_error: judge.relative_standard_error(),
+            rmse_floor: judge.floor(),
+            seconds: found.seconds,
+            rays: found.rays,
+            images: files.into_iter().map(|(kind, name)| (kind.to_owned(), name)).collect(),
+        });
+        Ok(folder)
+    }
+
+    /// One run; `None` when it was skipped.
+    fn run(
+        &mut self,
+        subject: &Subject,
+        role: Role,
+        choice: &Choice,
+        judge: &Judge,
+        renderer: Result<&mut Renderer, &mut String>,
+        folder: &str,
+    ) -> Result<Option<(usize, Evaluation)>, LabError> {
+        let mut run = Run {
+            scene: subject.name.clone(),
+            role: role.id().into(),
+            technique: choice.technique.id.into(),
+            title: choice.technique.title.into(),
+            params: choice.params.to_json(),
+            changed_params: choice.changed_params(),
+            status: OK.into(),
+            ..Run::default()
+        };
+        let what = format!("{}, {}", run.scene, run.label());
+        let result = match (choice.technique.missing(&self.device), renderer) {
+            (Some(needs), _) => Err(format!("needs {needs}")),
+            (_, Err(reason)) => Err(reason.clone()),
+            (None, Ok(renderer)) => {
+                let seeds = (self.options.seed, self.options.frames, self.options.repeat);
+                measure(&self.device, renderer, role, choice, judge, seeds).map_err(|e| e.to_string())
+            }
+        };
+        // An image that cannot be judged (NaN in it) is a fault of the technique: it is shown, and the others go on.
+        let judged = result.and_then(|m| evaluate(judge, &m.takes, &what).map(|e| (m, e)).map_err(|e| e.to_string()));
+        let (measured, evaluation) = match judged {
+            Ok(both) => both,
+            Err(reason) => {
+                run.status = format!("skipped: {reason}");
+                self.report.runs.push(run);
+                self.pictures.runs.push(None);
+                return Ok(None);
+            }
+        };
+        self.files(&mut run, judge, &measured, &evaluation, folder)?;
+        run.error = Some(evaluation.error.clone());
+        run.temporal = evaluation.temporal.clone();
+        run.cost = Some(measured.cost);
+        self.report.runs.push(run);
+        Ok(Some((self.report.runs.len() - 1, evaluation)))
+    }
+
+    fn files(&mut self, run: &mut Run, judge: &Judge, measured: &Measured, evaluation: &Evaluation, folder: &str) -> Result<(), LabError> {
+        let take = &measured.takes[0];
+        let shown = pictures(judge, take, evaluation);
+        let name = format!("{folder}/{:02}-{}", self.report.runs.len() + 1, slug(&run.label()));
+        let mut file = |kind: &str, end: &str| {
+            let file = format!("{name}{end}");
+            run.images.insert(kind.to_owned(), file.clone());
+            self.staging.place(&file)
+        };
+        write_png(&file("png", ".png")?, &shown.image, &BTreeMap::new())?;
+        write_png(&file("heatmap", "-error.png")?, &shown.heat, &BTreeMap::new())?;
+        run_exr(judge, take, evaluation).write(&file("exr", ".exr")?)?;
+        self.pictures.runs.push(Some(shown));
+        Ok(())
+    }
+
+    fn decide(&mut self, subject: &Subject, role: Role, judge: &Judge, evaluated: &[(usize, Evaluation)]) {
+        let candidate = |(run, evaluation): &(usize, Evaluation)| Candidate {
+            run: *run,
+            label: self.report.runs[*run].label(),
+            mse: evaluation.error.image.mse,
+            ms: self.report.runs[*run].cost.as_ref().map_or(f64::INFINITY, |c| c.ms()),
+            distinguishable: evaluation.error.image.distinguishable != Some(false),
+        };
+        let candidates: Vec<Candidate> = evaluated.iter().map(candidate).collect();
+        let between = |a: usize, b: usize| {
+            difference(judge, (&evaluated[a].1, &candidates[a]), (&evaluated[b].1, &candidates[b]))
+                .unwrap_or(MseDifference { value: candidates[a].mse - candidates[b].mse, standard_error: 0.0 })
+        };
+        self.report.decisions.push(decide(&subject.name, role.id(), &candidates, self.options.budget_ms, between));
+    }
+
+    fn finish(mut self) -> Result<Report, LabError> {
+        const TABLE: &str = "table.csv";
+        self.report.files = self.staging.files();
+        self.report.files.extend([PAGE, MANIFEST, TABLE].map(str::to_owned));
+        self.staging.write(TABLE, to_csv(&self.report).as_bytes())?;
+        let json = serde_json::to_vec_pretty(&self.report).expect("a report has only text keys");
+        self.staging.write(MANIFEST, &json)?;
+        self.staging.write(PAGE, page(&self.report, &self.pictures).as_bytes())?;
+        self.staging.publish()?;
+        Ok(self.report)
+    }
+}
+
+/// A name for files: letters, digits, dots, hyphens.
+pub(crate) fn slug(text: &str) -> String {
+    let mapped: String = text.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' }).collect();
+    let trimmed = mapped.trim_matches(['-', '.']);
+    if trimmed.is_empty() { "unnamed".into() } else { trimmed.to_owned() }
+}

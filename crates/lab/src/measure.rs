@@ -1,0 +1,100 @@
+//! One run on the device: images for several seeds, and the cost of a frame.
+
+use crate::judge::{Judge, Kind, Take};
+use crate::plan::Choice;
+use crate::report::Cost;
+use kajo_image::Image;
+use kajo_render_graph::Device;
+use kajo_renderer::{Error, FrameOutput, FrameSettings, Renderer, RoleSelection};
+use kajo_techniques::Role;
+use kajo_units::LinearRgb;
+use std::time::Instant;
+
+/// Frames before the clock counts: shaders, caches and clocks settle.
+pub const WARM_UP_FRAMES: u32 = 3;
+
+/// What was measured.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// One for each seed.
+    pub takes: Vec<Take>,
+    /// Of a frame.
+    pub cost: Cost,
+    /// False when passes were timed from outside.
+    pub timed_on_device: bool,
+}
+
+/// Renders `frames` timed frames; the first `repeat` of them, frame numbers from `seed` on, are the takes.
+///
+/// # Errors
+/// When the technique cannot run on this device or the device fails.
+pub fn measure(
+    device: &Device,
+    renderer: &mut Renderer,
+    role: Role,
+    choice: &Choice,
+    judge: &Judge,
+    (seed, frames, repeat): (u64, u32, u32),
+) -> Result<Measured, Error> {
+    let selection = RoleSelection::new().with(choice.technique, choice.params.clone());
+    let settings = |frame: u32| FrameSettings { index: (seed as u32).wrapping_add(frame), ..FrameSettings::default() };
+    let before = device.memory_bytes();
+    for frame in 0..WARM_UP_FRAMES {
+        renderer.render(&selection, &settings(frame))?;
+    }
+    let memory_bytes = device.memory_bytes().saturating_sub(before);
+    let (mut takes, mut gpu, mut cpu) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut rays, mut timed_on_device) = (0, true);
+    for frame in 0..frames.max(repeat) {
+        let start = Instant::now();
+        let output = renderer.render(&selection, &settings(frame))?;
+        if frame < frames {
+            cpu.push(start.elapsed().as_secs_f64() * 1e3);
+            gpu.push(output.timings.sum_of(choice.technique.id));
+            rays = output.rays;
+            timed_on_device = output.timings.on_device;
+        }
+        if frame < repeat {
+            takes.push(take(role, judge, output));
+        }
+    }
+    let cost = Cost {
+        gpu_ms: Some(percentile(&gpu, 0.5)),
+        gpu_ms_p95: Some(percentile(&gpu, 0.95)),
+        cpu_ms: percentile(&cpu, 0.5),
+        memory_bytes,
+        rays,
+    };
+    Ok(Measured { takes, cost, timed_on_device })
+}
+
+/// The role's image out of a frame.
+fn take(role: Role, judge: &Judge, output: FrameOutput) -> Take {
+    let grey = |image: &Image<f32>| image.map(|&v| LinearRgb::splat(v));
+    match (role, judge.kind) {
+        (Role::DirectVisibility, Kind::Visibility) => {
+            Take { parts: output.visibility.iter().take(judge.parts.len()).map(grey).collect(), composed: Some(output.direct) }
+        }
+        _ => Take { parts: vec![output.direct], composed: None },
+    }
+}
+
+/// Nearest rank: the smallest value that `share` of all do not exceed.
+fn percentile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let rank = (share * sorted.len() as f64).ceil() as usize;
+    sorted[rank.clamp(1, sorted.len()) - 1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::percentile;
+
+    #[test]
+    fn percentiles_are_by_nearest_rank() {
+        let values: Vec<f64> = (1..=20).rev().map(f64::from).collect();
+        assert_eq!((percentile(&values, 0.5), percentile(&values, 0.95)), (10.0, 19.0));
+        assert_eq!(percentile(&[7.0], 0.95), 7.0);
+    }
+}

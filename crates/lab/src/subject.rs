@@ -1,0 +1,116 @@
+//! A scene as it is compared: at one time, from one camera, at one size.
+
+use crate::experiment::slug;
+use crate::{CompareOptions, LabError};
+use glam::UVec2;
+use kajo_path_tracer::{CameraChoice, Tracer};
+use kajo_scene::{LoadOptions, PlacedCamera, Projection, Scene, Snapshot, load};
+use kajo_units::Seconds;
+
+/// A scene, ready for both renderers.
+pub struct Subject {
+    /// As the user named it.
+    pub name: String,
+    /// For folders; different for every scene of a comparison.
+    pub slug: String,
+    /// The scene.
+    pub scene: Scene,
+    /// At the time that is compared.
+    pub snapshot: Snapshot,
+    /// Index of the camera.
+    pub camera: usize,
+    /// Size of the images, px.
+    pub size: UVec2,
+}
+
+/// Height of the images where no size is given, px.
+const ROWS: u32 = 720;
+
+impl Subject {
+    /// Loads scene `index` of the options.
+    ///
+    /// # Errors
+    /// Scenes that cannot be loaded, cameras and animations that are not there.
+    pub fn load(options: &CompareOptions, index: usize) -> Result<Self, LabError> {
+        let name = options.scenes[index].clone();
+        let mut scene = load(&name, &LoadOptions { environment: options.environment.clone() })?;
+        if let Some(wanted) = &options.animation {
+            let names: Vec<&str> = scene.animations.iter().map(|a| a.name.as_str()).collect();
+            scene.animation = find(wanted, &names).ok_or_else(|| missing(&name, "animation", wanted, &names))?;
+        }
+        let snapshot = Snapshot::new(&scene, Seconds(options.time as f32));
+        let names: Vec<&str> = snapshot.cameras.iter().map(|c| c.camera.name.as_str()).collect();
+        let camera = match &options.camera {
+            Some(wanted) => find(wanted, &names).ok_or_else(|| missing(&name, "camera", wanted, &names))?,
+            None => 0,
+        };
+        let size = options.size.unwrap_or_else(|| default_size(&snapshot.cameras[camera]));
+        let stem = name.rsplit(['/', '\\']).next().unwrap_or(&name);
+        Ok(Self { slug: format!("{}-{}", index + 1, slug(stem)), name, scene, snapshot, camera, size })
+    }
+
+    /// The judge's view of it.
+    ///
+    /// # Errors
+    /// Scenes that the tracer refuses.
+    pub fn tracer(&self) -> Result<Tracer, LabError> {
+        Ok(Tracer::new(&self.scene, self.snapshot.clone())?)
+    }
+
+    /// Size, camera and seed.
+    pub fn tracer_settings(&self, options: &CompareOptions) -> kajo_path_tracer::Settings {
+        kajo_path_tracer::Settings {
+            size: self.size,
+            camera: CameraChoice::Index(self.camera),
+            seed: options.seed,
+            ..kajo_path_tracer::Settings::default()
+        }
+    }
+}
+
+/// By name, else by index.
+fn find(wanted: &str, names: &[&str]) -> Option<usize> {
+    names.iter().position(|name| *name == wanted).or_else(|| wanted.parse().ok().filter(|&index| index < names.len()))
+}
+
+fn missing(scene: &str, kind: &str, wanted: &str, names: &[&str]) -> LabError {
+    let known = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+    LabError::Nothing { reason: format!("{scene} has no {kind} \"{wanted}\"; there are: {known}") }
+}
+
+/// 720 rows in the camera's shape, 16:9 where it has none.
+fn default_size(camera: &PlacedCamera) -> UVec2 {
+    let aspect = match camera.camera.projection {
+        Projection::Perspective { aspect, .. } => aspect.unwrap_or(16.0 / 9.0),
+        Projection::Orthographic { xmag, ymag } => (xmag.0 / ymag.0).abs(),
+    };
+    let aspect = if aspect.is_finite() { aspect.clamp(0.1, 10.0) } else { 16.0 / 9.0 };
+    UVec2::new((ROWS as f32 * aspect).round() as u32, ROWS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn options(scene: &str) -> CompareOptions {
+        CompareOptions { scenes: vec![scene.into()], ..CompareOptions::default() }
+    }
+
+    #[test]
+    fn a_scene_is_loaded_with_its_camera_and_a_size() {
+        let subject = Subject::load(&options("builtin:shadows"), 0).unwrap();
+        assert_eq!((subject.size.y, subject.camera, subject.slug.as_str()), (720, 0, "1-builtin-shadows"));
+    }
+
+    #[test]
+    fn names_that_are_not_there_are_told_with_those_that_are() {
+        let error = |change: &dyn Fn(&mut CompareOptions)| {
+            let mut o = options("builtin:shadows");
+            change(&mut o);
+            Subject::load(&o, 0).map(|_| ()).unwrap_err().to_string()
+        };
+        assert!(error(&|o| o.camera = Some("side".into())).contains("no camera \"side\"; there are: "));
+        assert!(error(&|o| o.animation = Some("run".into())).contains("no animation \"run\"; there are: none"));
+        assert!(error(&|o| o.scenes[0] = "builtin:nowhere".into()).contains("nowhere"));
+    }
+}

@@ -7,8 +7,8 @@ use crate::report::{Candidate, ComposedError, LightError, RunError, Temporal};
 use glam::UVec2;
 use kajo_image::{ExrFile, Image, Layer};
 use kajo_image_metrics::{
-    Comparison, ComparisonOptions, MetricsError, MseDifference, Palette, bias_noise, crop, heat_map, mse, mse_difference, shadow_border,
-    worst_crops,
+    Comparison, ComparisonOptions, MetricsError, MseDifference, Palette, View, bias_noise, crop, heat_map, mse, mse_difference, rmse,
+    shadow_border, worst_crops,
 };
 use kajo_units::LinearRgb;
 
@@ -108,15 +108,22 @@ fn borders(judge: &Judge, take: &Take, error: &mut RunError) -> Result<(), Metri
 }
 
 fn composed(judge: &Judge, takes: &[Take]) -> Result<Option<ComposedError>, MetricsError> {
-    let (Some(part), Some(image)) = (&judge.composed, &takes[0].composed) else { return Ok(None) };
+    let (Some(composed), Some(image)) = (&judge.composed, &takes[0].composed) else { return Ok(None) };
+    let reference = &composed.part;
     let options = ComparisonOptions {
-        view: kajo_image_metrics::View::fit(&part.image),
+        view: View::fit(&reference.image),
         hdr: true,
-        reference_variance: part.variance.as_ref(),
+        reference_variance: reference.variance.as_ref(),
         ..Default::default()
     };
-    let (image, _) = Comparison::new(image, &part.image, &options)?;
-    Ok(Some(ComposedError { against: part.name.clone(), image }))
+    let (errors, _) = Comparison::new(image, &reference.image, &options)?;
+    let simulated = composed.simulated.as_ref();
+    Ok(Some(ComposedError {
+        against: reference.name.clone(),
+        image: errors,
+        approximation_rmse: simulated.map(|s| rmse(image, s)).transpose()?,
+        not_simulated_rmse: simulated.map(|s| rmse(s, &reference.image)).transpose()?,
+    }))
 }
 
 /// Mean |difference| of neighbouring takes, over pixels and channels.
@@ -172,7 +179,7 @@ pub fn reference_exr(judge: &Judge) -> ExrFile {
     let mut file = ExrFile::new(judge.size());
     let parts: Vec<_> = judge.parts.iter().map(|p| p.image.clone()).collect();
     file.layers.push(Layer::color("", &judge.picture(&parts)));
-    for part in judge.parts.iter().chain(&judge.composed) {
+    for part in judge.parts.iter().chain(judge.composed.as_ref().map(|c| &c.part)) {
         file.layers.push(Layer::color(&part.name, &part.image));
         if let Some(variance) = &part.variance {
             file.layers.push(Layer::color(format!("variance.{}", part.name), variance));

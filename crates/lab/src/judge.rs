@@ -15,7 +15,17 @@ pub struct Judge {
     /// What the pixels are.
     pub kind: Kind,
     /// The picture in which the role's output is used.
-    pub composed: Option<Part>,
+    pub composed: Option<Composed>,
+}
+
+/// The reference of a composed picture.
+#[derive(Clone, Debug)]
+pub struct Composed {
+    /// The picture, with all the light there is.
+    pub part: Part,
+    /// The part of its light that the real-time renderer simulates at all: a technique can be blamed for the difference to this one
+    /// only. `None` when it cannot be told apart.
+    pub simulated: Option<Image<LinearRgb>>,
 }
 
 /// What the pixels of a role are.

@@ -20,8 +20,6 @@ pub struct Measured {
     pub takes: Vec<Take>,
     /// Of a frame.
     pub cost: Cost,
-    /// False when passes were timed from outside.
-    pub timed_on_device: bool,
 }
 
 /// Renders `frames` timed frames; the first `repeat` of them, frame numbers from `seed` on, are the takes.
@@ -44,7 +42,7 @@ pub fn measure(
     }
     let memory_bytes = device.memory_bytes().saturating_sub(before);
     let (mut takes, mut gpu, mut cpu) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut rays, mut timed_on_device) = (0, true);
+    let mut rays = 0;
     for frame in 0..frames.max(repeat) {
         let start = Instant::now();
         let output = renderer.render(&selection, &settings(frame))?;
@@ -52,7 +50,6 @@ pub fn measure(
             cpu.push(start.elapsed().as_secs_f64() * 1e3);
             gpu.push(output.timings.sum_of(choice.technique.id));
             rays = output.rays;
-            timed_on_device = output.timings.on_device;
         }
         if frame < repeat {
             takes.push(take(role, judge, output));
@@ -65,7 +62,7 @@ pub fn measure(
         memory_bytes,
         rays,
     };
-    Ok(Measured { takes, cost, timed_on_device })
+    Ok(Measured { takes, cost })
 }
 
 /// The role's image out of a frame.

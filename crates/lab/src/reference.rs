@@ -3,10 +3,11 @@
 //! Samples lie at pixel centres, where a rasteriser without anti-aliasing looks: a difference is then one of light, not of the pixel
 //! filter. Roles that end at the first hit need no longer paths, and get none.
 
-use crate::judge::{Judge, Kind, Part};
+use crate::judge::{Composed, Judge, Kind, Part};
 use crate::{LabError, Progress, ReferenceStop};
 use kajo_image::Image;
 use kajo_path_tracer::{Aov, Filter, Frame, Integrator, Pixels, Settings, Stop, Tracer, render};
+use kajo_units::LinearRgb;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
@@ -53,6 +54,13 @@ fn visibilities(tracer: &Tracer) -> Vec<Aov> {
     tracer.light_names()[..analytic].iter().cloned().map(Aov::Visibility).collect()
 }
 
+/// Direct light that the real-time renderer simulates: that of the analytic lights.
+fn simulated_direct(tracer: &Tracer) -> Vec<Aov> {
+    let analytic = tracer.snapshot().lights.len();
+    let names = if analytic > MAX_LIGHTS { &[] } else { &tracer.light_names()[..analytic] };
+    names.iter().cloned().map(Aov::DirectLight).collect()
+}
+
 /// Roles whose techniques can be judged by an image of the path tracer.
 pub fn judged_roles() -> impl Iterator<Item = &'static str> {
     RECIPES.iter().map(|recipe| recipe.role)
@@ -77,6 +85,9 @@ pub fn references(
 ) -> Result<Option<References>, LabError> {
     let recipes: Vec<Recipe> = RECIPES.into_iter().filter(|r| roles.contains(&r.role) && !(r.images)(tracer).is_empty()).collect();
     let mut aovs: Vec<Aov> = recipes.iter().flat_map(|r| (r.images)(tracer).into_iter().chain(r.composed.clone())).collect();
+    if recipes.iter().any(|r| r.composed.is_some()) {
+        aovs.extend(simulated_direct(tracer));
+    }
     aovs.push(Aov::Coverage);
     let integrator = if recipes.iter().any(|r| r.indirect) { Integrator::Path } else { Integrator::Direct };
     let settings = Settings { integrator, filter: Filter::Center, aovs, ..base.clone() };
@@ -120,16 +131,23 @@ fn judges(tracer: &Tracer, recipes: &[Recipe], frame: &Frame) -> BTreeMap<&'stat
         let variance = image.variance.as_ref().map(Pixels::to_color).filter(|v| v.pixels().iter().all(|p| p.is_finite()));
         Part { name: image.name.clone(), image: image.pixels.to_color(), variance }
     };
+    let lit: Option<Vec<_>> = simulated_direct(tracer).iter().map(|aov| Some(frame.image(&aov.to_string())?.pixels.to_color())).collect();
+    let simulated = lit.filter(|images| !images.is_empty()).map(|images| sum(&images));
     let judge = |recipe: &Recipe| Judge {
         parts: (recipe.images)(tracer).iter().map(part).collect(),
         mask: coverage.as_ref().filter(|_| recipe.kind != Kind::Light).map(|c| mask(c)),
         kind: recipe.kind,
-        composed: recipe.composed.as_ref().map(part),
+        composed: recipe.composed.as_ref().map(|aov| Composed { part: part(aov), simulated: simulated.clone() }),
     };
     recipes.iter().map(|recipe| (recipe.role, judge(recipe))).collect()
 }
 
-fn mask(coverage: &Image<kajo_units::LinearRgb>) -> Image<bool> {
+fn sum(images: &[Image<LinearRgb>]) -> Image<LinearRgb> {
+    let pixels = (0..images[0].pixels().len()).map(|i| images.iter().map(|image| image.pixels()[i]).sum());
+    Image::from_pixels(images[0].size(), pixels.collect())
+}
+
+fn mask(coverage: &Image<LinearRgb>) -> Image<bool> {
     coverage.map(|c| c[0] > 0.5)
 }
 
@@ -168,7 +186,8 @@ mod tests {
         }
         let visibility = &found.judges["direct-visibility"];
         assert_eq!(visibility.parts.len(), tracer.snapshot().lights.len());
-        assert_eq!(visibility.composed.as_ref().unwrap().name, "direct");
+        assert_eq!(visibility.composed.as_ref().unwrap().part.name, "direct");
+        assert!(visibility.composed.as_ref().unwrap().simulated.is_some());
     }
 
     #[test]

@@ -1,5 +1,5 @@
 use super::*;
-use crate::judge::Part;
+use crate::judge::{Composed, Part};
 
 const SIZE: UVec2 = UVec2::new(64, 48);
 
@@ -81,11 +81,14 @@ fn a_nan_of_a_technique_names_the_run() {
 #[test]
 fn composed_picture_is_a_second_number() {
     let mut judge = judge();
-    judge.composed = Some(Part { name: "direct".into(), image: shadow(20.0).map(|p| *p * 3.0), variance: None });
+    let part = Part { name: "direct".into(), image: shadow(20.0).map(|p| *p * 3.0), variance: None };
+    judge.composed = Some(Composed { part, simulated: Some(shadow(20.0).map(|p| *p * 3.3)) });
     let mut take = exact();
     take.composed = Some(shadow(20.0).map(|p| *p * 3.3));
     let composed = evaluate(&judge, &[take], "composed").unwrap().error.composed.unwrap();
     assert!((composed.image.mean_ratio.unwrap() - 1.1).abs() < 1e-5 && composed.against == "direct");
+    assert_eq!(composed.approximation_rmse, Some(0.0), "all of the error is light that is not simulated");
+    assert!((composed.not_simulated_rmse.unwrap() - composed.image.rmse).abs() < 1e-6);
 }
 
 #[test]

@@ -86,7 +86,10 @@ fn definitions() -> Markup {
                 div { dt { "FLIP" } dd { "Andersson 2020; HDR-FLIP 2021: the largest over all exposures. 67 pixels per degree." } }
                 div { dt { "off border" } dd { "Share of pixels on the wrong side of one half, farther than 1 px from a shadow border or penumbra of the reference." } }
                 div { dt { "border px" } dd { "Mean distance of the half-light contours, the larger of both directions." } }
-                div { dt { "composed" } dd { "The picture made with the technique, against the path tracer's image of the same light." } }
+                div { dt { "composed, approx." } dd {
+                    "The picture made with the technique, against the path tracer's image of all the same light; "
+                    "and against the part of that light that the real-time renderer simulates at all (analytic lights; no emissive meshes, no environment)."
+                } }
             }
         }
     }

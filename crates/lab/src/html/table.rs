@@ -28,7 +28,7 @@ macro_rules! numbers {
     };
 }
 
-const COLUMNS: [Column; 17] = [
+const COLUMNS: [Column; 18] = [
     numbers!("GPU ms", "median time of the technique's passes on the device", |r: &Run| r.cost.as_ref()?.gpu_ms, number, false),
     numbers!("p95", "95th percentile of the same, ms", |r: &Run| r.cost.as_ref()?.gpu_ms_p95, number, false),
     numbers!("RMSE", "root mean square error against the reference", |r: &Run| Some(r.error.as_ref()?.image.rmse), number, false),
@@ -52,6 +52,13 @@ const COLUMNS: [Column; 17] = [
         "composed",
         "RMSE of the composed picture against the path tracer's",
         |r: &Run| Some(r.error.as_ref()?.composed.as_ref()?.image.rmse),
+        number,
+        true
+    ),
+    numbers!(
+        "approx.",
+        "the part of composed that the technique can be blamed for, RMSE; the rest is light that is not simulated",
+        |r: &Run| r.error.as_ref()?.composed.as_ref()?.approximation_rmse,
         number,
         true
     ),

@@ -44,7 +44,12 @@ fn run(scene: &str, technique: &str, changed: &[(&str, serde_json::Value)], rmse
             border_error: Some(rmse * 3.0),
             border_px: Some(rmse * 20.0),
             lights: vec![LightError { light: "Key".into(), rmse, off_border_mismatch: rmse * 0.05, border_px: Some(rmse * 20.0) }],
-            composed: Some(ComposedError { against: "direct".into(), image: comparison(rmse * 0.5, 0.002) }),
+            composed: Some(ComposedError {
+                against: "direct".into(),
+                image: comparison(rmse * 0.5, 0.002),
+                approximation_rmse: Some(rmse * 0.4),
+                not_simulated_rmse: Some(0.01),
+            }),
         }),
         temporal: Temporal { flicker: Some(rmse * 0.01), lag: None, ghost: None },
         cost: Some(Cost { gpu_ms: Some(ms), gpu_ms_p95: Some(ms * 1.2), cpu_ms: ms * 1.6, memory_bytes: 16 << 20, rays: 0 }),

@@ -218,6 +218,10 @@ pub struct ComposedError {
     /// Its errors.
     #[serde(flatten)]
     pub image: Comparison,
+    /// RMSE against the part of the light that the real-time renderer simulates: what the technique can be blamed for.
+    pub approximation_rmse: Option<f64>,
+    /// RMSE between that part and the whole: light that the real-time renderer does not simulate.
+    pub not_simulated_rmse: Option<f64>,
 }
 
 /// Behaviour over time; `null` is not measured.

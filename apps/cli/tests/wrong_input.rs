@@ -106,7 +106,7 @@ fn broken_files_exit_with_1() {
         ("infinite.gltf", gltf(f32::INFINITY, 2, node).into(), "accessor"),
         ("index.gltf", gltf(0.0, 7, node).into(), "7"),
         ("cycle.gltf", gltf(0.0, 2, r#"[{"children":[1],"mesh":0},{"children":[0]}]"#).into(), "node"),
-        ("text.gltf", b"hello".to_vec(), "line 1"),
+        ("text.gltf", b"hello".to_vec(), "neither glTF"),
         ("empty.glb", Vec::new(), "empty.glb"),
         ("short.glb", b"glTF\x02\0\0\0\xff\0\0\0\x10\0\0\0JSON{\"asset\"".to_vec(), "short.glb"),
         ("wrong.kajo.toml", b"[[asset]]\nfil = \"a.glb\"".to_vec(), "fil"),

@@ -90,7 +90,11 @@ impl<'a> Surface<'a> {
             material.params.clearcoat_normal = frame.to_local(coat).normalize_or(Vec3::Z);
         }
         let prepared = info.bsdf.as_ref().filter(|_| matches!(material, Cow::Borrowed(_)));
-        let lifted = if lift && !placed.flat && !material_transmits { placed.lifted(hit.primitive, weights, point.position, side) } else { point.position };
+        let lifted = if lift && !placed.flat && !material_transmits {
+            placed.lifted(hit.primitive, weights, point.position, side)
+        } else {
+            point.position
+        };
         Some(Self {
             point,
             primitive: hit.primitive_ref(),

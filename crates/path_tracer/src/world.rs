@@ -51,8 +51,7 @@ pub(crate) struct MaterialInfo {
 impl MaterialInfo {
     fn new(scene: &Scene, material: &Material) -> Self {
         let constant = textures(material).iter().all(|t| t.is_none()).then(|| material.at(scene, &SurfaceUv::default()));
-        let needs_tangent =
-            material.normal_texture.is_some() || material.clearcoat_normal_texture.is_some() || material.anisotropy > 0.0;
+        let needs_tangent = material.normal_texture.is_some() || material.clearcoat_normal_texture.is_some() || material.anisotropy > 0.0;
         Self {
             bsdf: constant.as_ref().filter(|_| !needs_tangent).map(|constant| Bsdf::new(&constant.params)),
             constant,

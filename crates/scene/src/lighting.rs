@@ -1,24 +1,28 @@
 //! The light for scenes that have none.
 //!
 //! An object gets a key light, a small sun from the upper left of its camera, and a uniform sky that fills the shadows. A camera
-//! inside of the bounds, as in a room, gets a glowing sphere above it: no sun comes in where walls are.
+//! inside of the bounds, as in a room, gets a glowing disk above it that faces down: no sun comes in where walls are, and a lamp that
+//! shone on the ceiling close above it would light the room by a hot spot there.
 
 use crate::{Environment, Light, LightShape, Node, PlacedCamera, Scene, Snapshot, Transform, framing};
 use glam::{Quat, Vec3};
 use kajo_units::{LinearRgb, Meters, Radians, Seconds};
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Irradiance of the key light on a surface that faces it, W/m²: a white one shines with radiance 1.
 const KEY_IRRADIANCE: f32 = PI;
 /// Half angle of the key light: soft, and small enough for crisp contacts.
 const KEY_HALF_ANGLE: f32 = 0.02;
+/// Irradiance of the floor below the lamp of a room, W/m²: what is farther away and at a slant gets less.
+const FLOOR_IRRADIANCE: f32 = 2.0 * PI;
 /// Where the key light stands, seen from the camera: right, up, towards the viewer.
 const KEY_FROM: Vec3 = Vec3::new(-0.6, 0.9, 0.5);
 /// Radiance of the sky, W/(m² sr).
 const SKY: f32 = 0.4;
 
-/// Lights a scene that has none, and says how.
+/// Lights a scene that has none, at exposure 0 unless its author chose one, and says how.
 pub fn light(scene: &mut Scene) -> &'static str {
+    scene.exposure.get_or_insert(0.0);
     let snapshot = Snapshot::new(scene, Seconds(0.0));
     let bounds = framing::bounds(&snapshot.meshes, &snapshot.instances);
     let camera = &snapshot.cameras[0];
@@ -26,8 +30,8 @@ pub fn light(scene: &mut Scene) -> &'static str {
     let inside = eye.cmpgt(bounds[0]).all() && eye.cmplt(bounds[1]).all();
     if inside {
         let (light, place) = ceiling_light(eye, bounds);
-        add(scene, light, place, Quat::IDENTITY);
-        "a glowing sphere above the camera was added"
+        add(scene, light, place, Quat::from_rotation_x(-FRAC_PI_2));
+        "a lamp above the camera was added"
     } else {
         let (light, rotation) = key_light(camera);
         add(scene, light, eye, rotation);
@@ -43,16 +47,16 @@ fn key_light(camera: &PlacedCamera) -> (Light, Quat) {
     (light, Quat::from_rotation_arc(Vec3::Z, towards))
 }
 
-/// Half way from the eye to the top of the bounds; as bright that the far wall gets about [`KEY_IRRADIANCE`].
+/// Half way from the eye to the top of the bounds, facing down.
 fn ceiling_light(eye: Vec3, [low, high]: [Vec3; 2]) -> (Light, Vec3) {
-    let size = high - low;
-    let radius = 0.02 * size.y;
-    let distance = 0.5 * size.max_element();
-    // E = L π r² / d² on a surface that faces the sphere from afar.
-    let radiance = KEY_IRRADIANCE * distance * distance / (PI * radius * radius);
-    let shape = LightShape::Sphere { radius: Meters(radius) };
-    let light = Light { name: "default lamp".into(), shape, emission: LinearRgb::splat(radiance) };
-    (light, eye + Vec3::Y * 0.5 * (high.y - eye.y))
+    let place = eye + Vec3::Y * 0.5 * (high.y - eye.y);
+    let radius = 0.1 * (high.y - low.y);
+    let height = place.y - low.y;
+    // On the axis of a disk, E = π L r² / (r² + h²).    [PBR4] section 4.2.3
+    let radiance = FLOOR_IRRADIANCE * (radius * radius + height * height) / (PI * radius * radius);
+    let light =
+        Light { name: "default lamp".into(), shape: LightShape::Disk { radius: Meters(radius) }, emission: LinearRgb::splat(radiance) };
+    (light, place)
 }
 
 fn add(scene: &mut Scene, light: Light, translation: Vec3, rotation: Quat) {
@@ -96,6 +100,7 @@ mod tests {
         let snapshot = Snapshot::new(&scene, Seconds(0.0));
         let place = snapshot.lights[0].world_from_light.translation;
         assert!(place.abs().cmplt(glam::Vec3A::new(2.0, 1.5, 2.5)).all(), "{place}");
-        assert!(matches!(scene.lights[0].shape, LightShape::Sphere { .. }));
+        let shines = snapshot.lights[0].world_from_light.transform_vector3(Vec3::NEG_Z);
+        assert!(shines.abs_diff_eq(Vec3::NEG_Y, 1e-6), "{shines}");
     }
 }

@@ -69,7 +69,7 @@ fn wrong_technique_parameters_exit_with_2() {
         ("direct-visibilty=shadow/map", "direct-visibility"),
         ("shadow/map", "ROLE=ID"),
         ("direct-visibility=shadow/map:resoluton=512", "did you mean `resolution`?"),
-        ("direct-visibility=shadow/map:resolution=1", "must be from"),
+        ("direct-visibility=shadow/map:resolution=1", "from 16 to 8192"),
         ("direct-visibility=shadow/map:resolution=nan", "resolution"),
     ] {
         refuses(

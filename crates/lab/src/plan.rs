@@ -22,7 +22,8 @@ pub type Plan = Vec<(Role, Vec<Choice>)>;
 /// # Errors
 /// Unknown names with the nearest one, values out of range, roles that no image of the path tracer judges, nothing to run.
 pub fn plan(options: &CompareOptions) -> Result<Plan, LabError> {
-    let chosen = options.techniques.iter().map(|text| choice(text)).collect::<Result<Vec<_>, _>>()?;
+    let choice = |text: &String| kajo_techniques::parse(text).map(|(technique, params)| Choice { technique, params });
+    let chosen = options.techniques.iter().map(choice).collect::<Result<Vec<_>, _>>()?;
     let roles = if options.roles.is_empty() { default_roles(&chosen) } else { named_roles(&options.roles)? };
     if let Some(stray) = chosen.iter().find(|c| !roles.contains(&c.technique.role)) {
         let reason = format!("{} fills the role {}, which --role leaves out", stray.technique.id, stray.technique.role.id());
@@ -41,14 +42,6 @@ pub fn plan(options: &CompareOptions) -> Result<Plan, LabError> {
         return Err(LabError::Nothing { reason: "no technique fills the roles asked for; `kajo techniques` lists what there is".into() });
     }
     Ok(plan)
-}
-
-/// `ID[:param=value,…]`.
-fn choice(text: &str) -> Result<Choice, LabError> {
-    let (id, params) = text.split_once(':').unwrap_or((text, ""));
-    let technique = kajo_techniques::find(id)?;
-    let pairs = params.split(',').filter(|pair| !pair.is_empty()).map(|pair| pair.split_once('=').unwrap_or((pair, "")));
-    Ok(Choice { technique, params: technique.parse_params(&pairs.collect::<Vec<_>>())? })
 }
 
 fn is_judged(role: Role) -> bool {

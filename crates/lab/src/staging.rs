@@ -18,9 +18,26 @@ pub const PAGE: &str = "index.html";
 /// A report in the making. Dropping it removes everything made so far.
 #[derive(Debug)]
 pub struct Staging {
-    target: PathBuf,
-    folder: TempDir,
     files: BTreeSet<String>,
+    // Dropped in this order: what is in the target goes before the target.
+    folder: TempDir,
+    target: Target,
+}
+
+/// The report's folder; one that was made and is still empty goes away again.
+#[derive(Debug)]
+struct Target {
+    path: PathBuf,
+    made: bool,
+}
+
+impl Drop for Target {
+    fn drop(&mut self) {
+        if self.made {
+            // Fails where the folder holds a report, as it should.
+            let _ = fs::remove_dir(&self.path);
+        }
+    }
 }
 
 impl Staging {
@@ -33,9 +50,10 @@ impl Staging {
             return Err(LabError::NotAFolder { folder: target.to_path_buf() });
         }
         let failed = |reason| LabError::Folder { folder: target.to_path_buf(), reason };
+        let made = !target.exists();
         fs::create_dir_all(target).map_err(failed)?;
         let folder = tempfile::Builder::new().prefix(".kajo-report-").tempdir_in(target).map_err(failed)?;
-        Ok(Self { target: target.to_path_buf(), folder, files: BTreeSet::new() })
+        Ok(Self { files: BTreeSet::new(), folder, target: Target { path: target.to_path_buf(), made } })
     }
 
     /// Where to write the file that will be `name` (relative, `/` between folders); its folder exists then.
@@ -70,21 +88,21 @@ impl Staging {
     /// # Errors
     /// When a file cannot be moved, for instance onto a folder of its name.
     pub fn publish(self) -> Result<(), LabError> {
-        let old = files_of_report(&self.target.join(MANIFEST));
+        let old = files_of_report(&self.target.path.join(MANIFEST));
         let order = self.files.iter().filter(|f| *f != PAGE).chain(self.files.iter().filter(|f| *f == PAGE));
         for name in order {
-            let to = self.target.join(name);
+            let to = self.target.path.join(name);
             let folder = to.parent().expect("a file in the report's folder");
             fs::create_dir_all(folder).and_then(|()| fs::rename(self.folder.path().join(name), &to)).map_err(|r| self.failed(r))?;
         }
         for stale in old.difference(&self.files) {
-            remove_with_empty_folders(&self.target, stale);
+            remove_with_empty_folders(&self.target.path, stale);
         }
         Ok(())
     }
 
     fn failed(&self, reason: io::Error) -> LabError {
-        LabError::Folder { folder: self.target.clone(), reason }
+        LabError::Folder { folder: self.target.path.clone(), reason }
     }
 }
 

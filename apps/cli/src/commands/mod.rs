@@ -26,6 +26,5 @@ pub fn run(arguments: &Kajo) -> Outcome {
         Command::Render(arguments) => render::run(common, arguments),
         Command::Scenes => scenes::run(common),
         Command::Techniques { id, markdown } => techniques::run(common, id.as_deref(), *markdown),
-        _ => unreachable!(),
     }
 }

@@ -14,7 +14,12 @@ pub struct BiasNoise {
     pub noise: f64,
     /// The smallest bias that this many runs and this reference can show: √(mean s²/K + mean var R).
     pub bias_floor: f64,
+    /// bias² before the clamp at 0, in its own standard errors for a technique without bias: above 4 there is a bias.
+    pub bias_sigmas: f64,
 }
+
+/// Squared relative rounding of a pixel that two renderers computed in `f32` in two ways: with exact images it alone gives a scale.
+const ROUNDING: f64 = 1e-12;
 
 /// Splits the error of K independent runs against a reference, over pixels and channels.
 ///
@@ -23,6 +28,9 @@ pub struct BiasNoise {
 ///
 /// The two subtractions remove what the noise of the mean and of the reference add to the first term, so bias² has the right
 /// expectation; it may come out below 0, which is then 0.
+///
+/// Without bias, (X̄ − R)² of a pixel has variance 2v² with v = s²/K + var(R), and s²/K has variance 2 (s²/K)²/(K − 1); the channels of a
+/// pixel count as fully correlated. Their sum over pixels is the standard error of [`BiasNoise::bias_sigmas`].
 ///
 /// # Errors
 /// Fewer than two runs, sizes that differ, NaN.
@@ -39,19 +47,27 @@ pub fn bias_noise(
         check_size("variance", variance.size(), reference.size())?;
     }
     let k = runs.len() as f64;
-    let (mut squared, mut within, mut of_reference) = (0.0, 0.0, 0.0);
+    let (mut squared, mut within, mut of_reference, mut uncertainty) = (0.0, 0.0, 0.0, 0.0);
     for (i, r) in reference.pixels().iter().enumerate() {
+        let (mut of_mean, mut total) = (0.0, ROUNDING * f64::from(r.0.length_squared()));
         for c in 0..3 {
             let values = runs.iter().map(|run| f64::from(run.pixels()[i][c]));
             let mean = values.clone().sum::<f64>() / k;
-            within += values.map(|v| (v - mean).powi(2)).sum::<f64>() / (k - 1.0);
+            let spread = values.map(|v| (v - mean).powi(2)).sum::<f64>() / (k - 1.0);
+            let known = variance.map_or(0.0, |v| f64::from(v.pixels()[i][c].max(0.0)));
+            within += spread;
+            of_reference += known;
             squared += (mean - f64::from(r[c])).powi(2);
-            of_reference += variance.map_or(0.0, |v| f64::from(v.pixels()[i][c].max(0.0)));
+            of_mean += spread / k;
+            total += spread / k + known;
         }
+        uncertainty += 2.0 * total * total + 2.0 * of_mean * of_mean / (k - 1.0);
     }
     let n = (3 * reference.pixels().len()) as f64;
     let floor = (within / k + of_reference) / n;
-    Ok(BiasNoise { bias: (squared / n - floor).max(0.0).sqrt(), noise: (within / n).sqrt(), bias_floor: floor.sqrt() })
+    let excess = squared / n - floor;
+    let bias_sigmas = if excess == 0.0 { 0.0 } else { excess / (uncertainty.sqrt() / n) };
+    Ok(BiasNoise { bias: excess.max(0.0).sqrt(), noise: (within / n).sqrt(), bias_floor: floor.sqrt(), bias_sigmas })
 }
 
 #[cfg(test)]
@@ -83,12 +99,33 @@ mod tests {
         assert!(split.bias < 0.3 * split.bias_floor, "{split:?}");
     }
 
+    /// Visibility of a penumbra: shares of 16 shadow rays, often all lit. Its noise is far from normal and must not look like a bias.
+    #[test]
+    fn binary_noise_is_not_called_bias_and_a_planted_bias_is() {
+        let size = UVec2::new(96, 96);
+        let truth = Image::from_fn(size, |x, _| LinearRgb::splat((0.9 + x as f32 / 900.0).min(1.0)));
+        let take = |seed: u64, shift: f32| {
+            let mut random = crate::test_images::Random(seed);
+            truth.map(|p| {
+                let lit = (0..16).filter(|_| random.uniform() < p[0] - shift).count();
+                LinearRgb::splat(lit as f32 / 16.0)
+            })
+        };
+        for trial in 0..10 {
+            let split = |shift| bias_noise(&[0, 1, 2, 3].map(|seed| take(100 * trial + seed, shift)), &truth, None).unwrap();
+            assert!(split(0.0).bias_sigmas < 4.0, "{:?}", split(0.0));
+            assert!(split(0.03).bias_sigmas > 4.0, "{:?}", split(0.03));
+        }
+    }
+
     #[test]
     fn a_deterministic_technique_is_all_bias() {
         let truth = scene(UVec2::new(16, 16), 0.0);
         let run = truth.map(|p| *p + LinearRgb::splat(0.25));
         let split = bias_noise(&[run.clone(), run], &truth, None).unwrap();
-        assert!((split.bias - 0.25).abs() < 1e-6 && split.noise == 0.0);
+        assert!((split.bias - 0.25).abs() < 1e-6 && split.noise == 0.0 && split.bias_sigmas > 100.0);
+        let exact = bias_noise(&[truth.clone(), truth.clone()], &truth, None).unwrap();
+        assert_eq!(exact.bias_sigmas, 0.0);
     }
 
     #[test]

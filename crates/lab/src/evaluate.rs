@@ -1,7 +1,7 @@
 //! From images to numbers: the errors of one run.
 
 use crate::LabError;
-use crate::html::{CropPictures, RunPictures};
+use crate::html::{CropPictures, ReferencePictures, RunPictures};
 use crate::judge::{Judge, Kind, Take};
 use crate::report::{Candidate, ComposedError, LightError, RunError, Temporal};
 use glam::UVec2;
@@ -27,6 +27,8 @@ pub struct Evaluation {
 
 /// Side of the crops, px: three of them at fourfold size stand beside each other.
 const CROP_SIDE: u32 = 26;
+/// Standard errors of bias² beyond which a technique is called biased.
+const BIAS_SIGMAS: f64 = 4.0;
 /// Number of crops of a run.
 const CROPS: usize = 3;
 
@@ -53,11 +55,15 @@ pub fn evaluate(judge: &Judge, takes: &[Take], what: &str) -> Result<Evaluation,
     image.psnr_linear = (mean > 0.0).then(|| -10.0 * mean.log10());
 
     let split = (takes.len() > 1).then(|| bias_noise(&stacked, &reference, variance.as_ref())).transpose().map_err(named)?;
+    let relative = mean_relative_error(&stacked, &reference, variance.as_ref());
     let mut error = RunError {
         image,
         bias: split.map(|s| s.bias),
         noise: split.map(|s| s.noise),
         bias_floor: split.map(|s| s.bias_floor),
+        label: split.map(|s| if s.bias_sigmas > BIAS_SIGMAS { "biased" } else { "unbiased" }),
+        mean_relative_error: relative.map(|r| r.0),
+        mean_relative_error_95: relative.map(|r| r.1),
         mse_standard_error: standard_error,
         off_border_mismatch: None,
         off_border_mismatches: None,
@@ -79,6 +85,28 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let mean = values.iter().sum::<f64>() / n;
     let spread = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
     (mean, (spread / n).sqrt())
+}
+
+/// Mean over seeds of ΣI/ΣR − 1, and the half width of its 95 % interval; the reference's pixels count as independent.
+fn mean_relative_error(
+    stacked: &[Image<LinearRgb>],
+    reference: &Image<LinearRgb>,
+    variance: Option<&Image<LinearRgb>>,
+) -> Option<(f64, f64)> {
+    let luminance = |image: &Image<LinearRgb>| image.pixels().iter().map(|p| f64::from(p.luminance())).sum::<f64>();
+    let total = luminance(reference);
+    let errors: Vec<f64> = stacked.iter().map(|s| luminance(s) / total - 1.0).collect();
+    let (mean, of_seeds) = mean_and_error(&errors);
+    // Channels of a pixel as fully correlated: √var Y = Σ w √var.
+    let deviation = |v: &LinearRgb| f64::from(LinearRgb(v.0.max(glam::Vec3::ZERO).map(f32::sqrt)).luminance());
+    let of_reference = variance.map_or(0.0, |v| v.pixels().iter().map(|p| deviation(p).powi(2)).sum::<f64>().sqrt() / total);
+    (total > 0.0).then(|| (mean, (student_95(errors.len()) * of_seeds).hypot(1.96 * of_reference)))
+}
+
+/// Factor from the standard error of `n` values to the half width of the 95 % interval of their mean (Student's t, n − 1 degrees).
+fn student_95(n: usize) -> f64 {
+    const TABLE: [f64; 10] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228];
+    TABLE.get(n.saturating_sub(2)).copied().unwrap_or(1.96)
 }
 
 /// Shadow borders of each light; the totals are over all lights.
@@ -145,19 +173,21 @@ fn largest_over_parts(map: &Image<f32>, size: UVec2) -> Image<f32> {
 pub fn pictures(judge: &Judge, take: &Take, evaluation: &Evaluation) -> RunPictures {
     let view = judge.view();
     let image = view.to_srgb8(&judge.picture(&take.parts));
-    let reference = reference_picture(judge);
+    let reference = view.to_srgb8(&judge.picture(&judge.images()));
+    let composed = judge.composed.as_ref().zip(take.composed.as_ref());
+    let composed = composed.map(|(c, image)| View::fit(&c.part.image).to_srgb8(image));
     let heat = heat_map(&evaluation.heat, 1.0, Palette::Magma);
     let crops = worst_crops(&evaluation.heat, CROP_SIDE, CROPS);
     let crops = crops.iter().map(|c| CropPictures { at: [c.x, c.y], images: [&image, &reference, &heat].map(|i| crop(i, c)) }).collect();
     let name = if judge.kind == Kind::Light { "HDR-FLIP" } else { "FLIP" };
     let over = if judge.parts.len() > 1 { ", the largest over all lights" } else { "" };
-    RunPictures { image, heat, heat_scale: format!("{name} of each pixel: black 0, pale yellow 1{over}"), crops }
+    RunPictures { image, composed, heat, heat_scale: format!("{name} of each pixel: black 0, pale yellow 1{over}"), crops }
 }
 
-/// The picture of the reference.
-pub fn reference_picture(judge: &Judge) -> Image<kajo_units::Srgb8> {
-    let parts: Vec<_> = judge.parts.iter().map(|p| p.image.clone()).collect();
-    judge.view().to_srgb8(&judge.picture(&parts))
+/// The pictures of the reference.
+pub fn reference_pictures(judge: &Judge) -> ReferencePictures {
+    let composed = judge.composed.as_ref().map(|c| View::fit(&c.part.image).to_srgb8(&c.part.image));
+    ReferencePictures { image: judge.view().to_srgb8(&judge.picture(&judge.images())), composed }
 }
 
 /// Every image of a run with full precision.
@@ -177,8 +207,7 @@ pub fn run_exr(judge: &Judge, take: &Take, evaluation: &Evaluation) -> ExrFile {
 /// The reference with its variance.
 pub fn reference_exr(judge: &Judge) -> ExrFile {
     let mut file = ExrFile::new(judge.size());
-    let parts: Vec<_> = judge.parts.iter().map(|p| p.image.clone()).collect();
-    file.layers.push(Layer::color("", &judge.picture(&parts)));
+    file.layers.push(Layer::color("", &judge.picture(&judge.images())));
     for part in judge.parts.iter().chain(judge.composed.as_ref().map(|c| &c.part)) {
         file.layers.push(Layer::color(&part.name, &part.image));
         if let Some(variance) = &part.variance {

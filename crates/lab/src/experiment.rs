@@ -1,6 +1,6 @@
 //! The experiment: scenes × roles × techniques.
 
-use crate::evaluate::{Evaluation, difference, evaluate, pictures, reference_exr, reference_picture, run_exr};
+use crate::evaluate::{Evaluation, difference, evaluate, pictures, reference_exr, reference_pictures, run_exr};
 use crate::html::{Pictures, page};
 use crate::judge::Judge;
 use crate::measure::{Measured, WARM_UP_FRAMES, measure};
@@ -185,11 +185,19 @@ impl Experiment<'_> {
     /// Files and entry of a role's reference; returns the folder of its images.
     fn reference(&mut self, subject: &Subject, role: Role, judge: &Judge, found: &References) -> Result<String, LabError> {
         let folder = format!("images/{}/{}", subject.slug, role.id());
-        let picture = reference_picture(judge);
-        let files = BTreeMap::from([("png", format!("{folder}/reference.png")), ("exr", format!("{folder}/reference.exr"))]);
-        write_png(&self.staging.place(&files["png"])?, &picture, &BTreeMap::new())?;
-        reference_exr(judge).write(&self.staging.place(&files["exr"])?)?;
-        self.pictures.references.push(Some(picture));
+        let shown = reference_pictures(judge);
+        let mut files = BTreeMap::new();
+        let mut file = |kind: &str, end: &str| {
+            let file = format!("{folder}/reference{end}");
+            files.insert(kind.to_owned(), file.clone());
+            self.staging.place(&file)
+        };
+        write_png(&file("png", ".png")?, &shown.image, &BTreeMap::new())?;
+        if let Some(composed) = &shown.composed {
+            write_png(&file("composed", "-composed.png")?, composed, &BTreeMap::new())?;
+        }
+        reference_exr(judge).write(&file("exr", ".exr")?)?;
+        self.pictures.references.push(Some(shown));
         self.report.references.push(ReferenceEntry {
             scene: subject.name.clone(),
             role: role.id().into(),
@@ -203,7 +211,7 @@ impl Experiment<'_> {
             rmse_floor: judge.floor(),
             seconds: found.seconds,
             rays: found.rays,
-            images: files.into_iter().map(|(kind, name)| (kind.to_owned(), name)).collect(),
+            images: files,
         });
         Ok(folder)
     }
@@ -266,6 +274,9 @@ impl Experiment<'_> {
             self.staging.place(&file)
         };
         write_png(&file("png", ".png")?, &shown.image, &BTreeMap::new())?;
+        if let Some(composed) = &shown.composed {
+            write_png(&file("composed", "-composed.png")?, composed, &BTreeMap::new())?;
+        }
         write_png(&file("heatmap", "-error.png")?, &shown.heat, &BTreeMap::new())?;
         run_exr(judge, take, evaluation).write(&file("exr", ".exr")?)?;
         self.pictures.runs.push(Some(shown));

@@ -110,6 +110,11 @@ impl Judge {
         (mean > 0.0).then(|| self.floor() / mean)
     }
 
+    /// The image of each part.
+    pub fn images(&self) -> Vec<Image<LinearRgb>> {
+        self.parts.iter().map(|p| p.image.clone()).collect()
+    }
+
     /// One picture of all parts: their mean.
     pub fn picture(&self, parts: &[Image<LinearRgb>]) -> Image<LinearRgb> {
         let scale = 1.0 / parts.len() as f32;

@@ -53,7 +53,7 @@ fn ray_traced_shadows_beat_none_and_the_report_says_so() {
     let exr = ExrFile::read(&target.join(&report.references[0].images["exr"])).unwrap();
     assert!(exr.layers.iter().any(|l| l.name.starts_with("variance.visibility.")), "{:?}", exr.layers.iter().map(|l| &l.name));
     let html = std::fs::read_to_string(target.join("index.html")).unwrap();
-    assert!(html.contains("Use shadow/ray-traced:samples=16") && !html.contains("http"));
+    assert!(html.contains("Use shadow/ray-traced:samples=16") && !html.contains("http://") && !html.contains("https://"));
     assert!(std::fs::read_to_string(target.join("table.csv")).unwrap().lines().count() == 3);
 }
 

@@ -67,6 +67,7 @@ fn seeds_give_noise_flicker_and_a_standard_error() {
     let e = evaluate(&judge(), &[take(0.1), take(-0.1), take(0.1), take(-0.2)], "noisy").unwrap();
     assert!((e.error.noise.unwrap() - 0.15).abs() < 1e-5, "{:?}", e.error.noise);
     assert!((e.temporal.flicker.unwrap() - (0.2 + 0.2 + 0.3) / 3.0).abs() < 1e-5);
+    assert_eq!(e.error.label, Some("unbiased"));
     assert!((e.error.image.mse - (3.0 * 0.01 + 0.04) / 4.0).abs() < 1e-6 && e.error.mse_standard_error > 0.005);
 }
 
@@ -98,4 +99,26 @@ fn files_keep_every_light_and_the_variance() {
     assert_eq!(names(run_exr(&judge(), &exact(), &e)), ["", "visibility.Key", "visibility.Fill", "flip"]);
     let reference = names(reference_exr(&judge()));
     assert!(reference.contains(&"variance.visibility.Fill".to_owned()), "{reference:?}");
+}
+
+/// Row RM-66: a mean relative error with its interval, and a verdict for each technique.
+#[test]
+fn bias_is_stated_with_an_interval_and_a_verdict() {
+    let mut state = 1u32;
+    let mut noise = move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 24) as f32 - 0.5
+    };
+    let mut take = |scale: f32| Take {
+        parts: exact().parts.iter().map(|p| p.map(|q| LinearRgb::splat(q[0] * scale + 0.2 * noise()))).collect(),
+        composed: None,
+    };
+    let (fair, dim) = ([1.0; 4].map(&mut take), [0.95; 4].map(&mut take));
+    let fair = evaluate(&judge(), &fair, "fair").unwrap().error;
+    let dim = evaluate(&judge(), &dim, "dim").unwrap().error;
+    assert_eq!((fair.label, dim.label), (Some("unbiased"), Some("biased")));
+    let interval = |e: &RunError| (e.mean_relative_error.unwrap(), e.mean_relative_error_95.unwrap());
+    let ((m, w), (dm, dw)) = (interval(&fair), interval(&dim));
+    assert!(m.abs() < w, "0 lies in {m} ± {w}");
+    assert!((dm + 0.05).abs() < dw && dm.abs() > dw, "-0.05 lies in {dm} ± {dw} and 0 does not");
 }

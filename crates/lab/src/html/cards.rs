@@ -63,7 +63,8 @@ fn card(report: &Report, decision: &Decision, index: usize) -> Markup {
     html! {
         article.card {
             p.eyebrow { (role_title(report, decision)) " · " (decision.scene) }
-            p.choice { @match run { Some(run) => (run.label()), None => "Nothing fits" } }
+            // A single decision is the headline already.
+            @if report.decisions.len() > 1 { p.choice { @match run { Some(run) => (run.label()), None => "Nothing fits" } } }
             p.sentence { (reason(decision, run.map(|r| r.label()))) }
             p { (certainty(decision)) }
             @if let Some((error, cost)) = run.and_then(|r| r.error.as_ref().zip(r.cost.as_ref())) {
@@ -86,9 +87,13 @@ fn reason(decision: &Decision, label: Option<String>) -> String {
     characters.next().map_or_else(String::new, |c| c.to_uppercase().chain(characters).collect())
 }
 
+/// Standard errors beyond which their number says nothing more.
+const FAR: f64 = 100.0;
+
 /// How sure a decision is, in words and a mark that does not depend on colour.
 fn certainty(decision: &Decision) -> Markup {
     let (class, mark, text) = match (decision.certainty, decision.sigmas) {
+        (Certainty::Clear, Some(s)) if s > FAR => ("clear", "●", format!("Clear: the next is more than {FAR} standard errors away")),
         (Certainty::Clear, Some(s)) => ("clear", "●", format!("Clear: the next is {} standard errors away", short(s))),
         (Certainty::Clear, None) => ("clear", "●", "Clear: the reference is exact here".into()),
         (Certainty::Tie, _) => ("tie", "◐", format!("Tie: {} cannot be told apart, so cost decides", decision.ties.len() + 1)),

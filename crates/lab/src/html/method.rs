@@ -79,7 +79,7 @@ fn definitions() -> Markup {
             summary { "What the numbers mean" }
             dl.definitions {
                 div { dt { "RMSE, relMSE" } dd { "Over pixels and channels in linear light; relMSE divides by the squared reference + " (REL_MSE_EPSILON) "." } }
-                div { dt { "bias, noise" } dd { "From repeats with other seeds. Noise² is the mean variance over repeats; bias² is the mean squared error of their average, less what the noise of that average and of the reference add to it." } }
+                div { dt { "bias, noise" } dd { "From repeats with other seeds. Noise² is the mean variance over repeats; bias² is the mean squared error of their average, less what the noise of that average and of the reference add to it. The verdict is biased where bias² exceeds 4 of its standard errors; unbiased means that none could be shown." } }
                 div { dt { "not distinguishable" } dd { "The mean squared error is within " (SIGMAS) " standard errors of what a perfect image would show against this noisy reference." } }
                 div { dt { "tie, standard errors" } dd { "The difference of two mean squared errors, against the standard error that the reference's noise and the seeds give it. Below " (SIGMAS) " it is a tie." } }
                 div { dt { "PSNR, SSIM" } dd { "Of visibility as it is; of light after exposure, clamped and sRGB-encoded. SSIM: Gaussian window 11×11, σ 1.5, luminance (Wang 2004)." } }

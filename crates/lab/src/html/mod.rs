@@ -19,9 +19,18 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 #[derive(Clone, Debug, Default)]
 pub struct Pictures {
     /// The reference of each scene and role.
-    pub references: Vec<Option<Image<Srgb8>>>,
+    pub references: Vec<Option<ReferencePictures>>,
     /// Of each run that gave a result.
     pub runs: Vec<Option<RunPictures>>,
+}
+
+/// What a reference looks like.
+#[derive(Clone, Debug)]
+pub struct ReferencePictures {
+    /// The role's image.
+    pub image: Image<Srgb8>,
+    /// The picture in which it is used.
+    pub composed: Option<Image<Srgb8>>,
 }
 
 /// What a run looks like.
@@ -29,7 +38,9 @@ pub struct Pictures {
 pub struct RunPictures {
     /// The role's image.
     pub image: Image<Srgb8>,
-    /// Its error.
+    /// The picture in which it is used.
+    pub composed: Option<Image<Srgb8>>,
+    /// Error of `image`.
     pub heat: Image<Srgb8>,
     /// What the colours of `heat` mean.
     pub heat_scale: String,

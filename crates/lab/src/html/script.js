@@ -22,27 +22,24 @@ for (const table of document.querySelectorAll("table.runs")) {
 for (const viewer of document.querySelectorAll(".viewer")) {
   const split = viewer.querySelector(".split");
   const choices = [...viewer.querySelectorAll(".choices button")];
-  const toggle = viewer.querySelector(".toggle");
+  const views = [...viewer.querySelectorAll(".views button")];
+  const pressed = (buttons) => buttons.find((b) => b.getAttribute("aria-pressed") === "true").dataset;
   const show = () => {
-    const run = choices.find((c) => c.getAttribute("aria-pressed") === "true").dataset.run;
-    const error = toggle.getAttribute("aria-pressed") === "true";
-    for (const part of viewer.querySelectorAll(".shot, .heat, .crops, .scale")) {
-      const kind = part.matches(".heat") ? error : part.matches(".shot") ? !error : true;
-      part.hidden = part.dataset.run !== run || !kind;
+    const run = pressed(choices).run;
+    const view = pressed(views).view;
+    for (const part of viewer.querySelectorAll(".under, .shot, .crops, .scale")) {
+      const otherRun = part.dataset.run !== undefined && part.dataset.run !== run;
+      const otherView = part.dataset.view !== undefined && !part.dataset.view.split(" ").includes(view);
+      part.hidden = otherRun || otherView;
     }
-    split.classList.toggle("error", error);
-    toggle.textContent = error ? "Show the image" : "Show the error";
   };
-  choices.forEach((choice) =>
-    choice.addEventListener("click", () => {
-      choices.forEach((c) => c.setAttribute("aria-pressed", String(c === choice)));
-      show();
-    }),
-  );
-  toggle.addEventListener("click", () => {
-    toggle.setAttribute("aria-pressed", String(toggle.getAttribute("aria-pressed") !== "true"));
-    show();
-  });
+  for (const buttons of [choices, views])
+    buttons.forEach((button) =>
+      button.addEventListener("click", () => {
+        buttons.forEach((b) => b.setAttribute("aria-pressed", String(b === button)));
+        show();
+      }),
+    );
   split.querySelector("input").addEventListener("input", (e) => split.style.setProperty("--at", e.target.value + "%"));
 }
 // Copy the command; without permission, select it.

@@ -28,12 +28,13 @@ macro_rules! numbers {
     };
 }
 
-const COLUMNS: [Column; 18] = [
+const COLUMNS: [Column; 19] = [
     numbers!("GPU ms", "median time of the technique's passes on the device", |r: &Run| r.cost.as_ref()?.gpu_ms, number, false),
     numbers!("p95", "95th percentile of the same, ms", |r: &Run| r.cost.as_ref()?.gpu_ms_p95, number, false),
     numbers!("RMSE", "root mean square error against the reference", |r: &Run| Some(r.error.as_ref()?.image.rmse), number, false),
     numbers!("bias", "what averaging frames would not remove, RMS", |r: &Run| r.error.as_ref()?.bias, number, true),
     numbers!("noise", "what averaging frames would remove, RMS", |r: &Run| r.error.as_ref()?.noise, number, true),
+    Column { heading: "verdict", help: "biased: more than the noise of seeds and reference explains", cell: verdict, optional: true },
     numbers!("FLIP", "difference that a viewer sees, 0 to 1", |r: &Run| Some(r.error.as_ref()?.image.flip), number, false),
     numbers!("HDR-FLIP", "the same over all exposures", |r: &Run| r.error.as_ref()?.image.flip_hdr, number, true),
     numbers!("SSIM", "structural similarity, 1 is equal", |r: &Run| r.error.as_ref()?.image.ssim, decimals, false),
@@ -69,6 +70,11 @@ const COLUMNS: [Column; 18] = [
 
 fn decimals(value: Option<f64>) -> String {
     value.map_or_else(|| NONE.into(), |v| format!("{v:.4}"))
+}
+
+fn verdict(run: &Run) -> (String, Option<f64>) {
+    let label = run.error.as_ref().and_then(|e| e.label);
+    (label.unwrap_or(NONE).into(), label.map(|l| f64::from(u8::from(l == "biased"))))
 }
 
 /// An infinite PSNR sorts above all others.

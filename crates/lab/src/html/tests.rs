@@ -18,6 +18,7 @@ fn pictures(report: &Report) -> Pictures {
         let heat = kajo_image_metrics::heat_map(&error, 0.5, kajo_image_metrics::Palette::Magma);
         let crops = kajo_image_metrics::worst_crops(&error, 32, 3);
         RunPictures {
+            composed: Some(image.clone()),
             crops: crops
                 .iter()
                 .map(|c| CropPictures { at: [c.x, c.y], images: [&image, &reference, &heat].map(|i| kajo_image_metrics::crop(i, c)) })
@@ -28,7 +29,11 @@ fn pictures(report: &Report) -> Pictures {
         }
     };
     Pictures {
-        references: report.references.iter().map(|_| Some(reference.clone())).collect(),
+        references: report
+            .references
+            .iter()
+            .map(|_| Some(ReferencePictures { image: reference.clone(), composed: Some(reference.clone()) }))
+            .collect(),
         runs: report.runs.iter().enumerate().map(|(i, r)| r.is_ok().then(|| run(i % 8))).collect(),
     }
 }

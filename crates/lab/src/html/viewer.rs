@@ -1,8 +1,10 @@
 //! The pictures: a slider between technique and reference, the error, and where it is worst.
 
 use super::format::data_uri;
-use super::{Pictures, RunPictures};
+use super::{Pictures, ReferencePictures, RunPictures};
 use crate::report::{Decision, Report};
+use kajo_image::Image;
+use kajo_units::Srgb8;
 use maud::{Markup, html};
 
 /// The viewer of one scene and role; nothing without pictures.
@@ -16,7 +18,7 @@ pub fn pictures(report: &Report, pictures: &Pictures, decision: Option<&Decision
         return html! {};
     };
     let first = decision.and_then(|d| d.recommended).filter(|r| shown.iter().any(|s| s.1 == *r)).unwrap_or(shown[0].1);
-    let ratio = format!("aspect-ratio: {} / {}", reference.width(), reference.height());
+    let ratio = format!("aspect-ratio: {} / {}", reference.image.width(), reference.image.height());
     html! {
         div.viewer {
             h3 { "Look for yourself" }
@@ -28,24 +30,56 @@ pub fn pictures(report: &Report, pictures: &Pictures, decision: Option<&Decision
                 }
             }
             div.split style=(ratio) {
-                img.reference src=(data_uri(reference)) alt="Path-traced reference";
-                @for (_, i, p) in &shown {
-                    img.shot data-run=(i) hidden[*i != first] src=(data_uri(&p.image)) alt=(format!("Image of {}", report.runs[*i].label()));
-                }
-                @for (_, i, p) in &shown {
-                    img.heat data-run=(i) hidden src=(data_uri(&p.heat)) alt=(format!("Error of {}", report.runs[*i].label()));
-                }
+                (references(reference))
+                @for (_, i, p) in &shown { (shots(p, *i, *i == first, &report.runs[*i].label())) }
                 span.tag.left aria-hidden="true" { "technique" }
                 span.tag.right aria-hidden="true" { "reference" }
                 span.bar aria-hidden="true" {}
                 input type="range" min="0" max="100" value="50" aria-label="Share of the technique's image shown, the rest is the reference";
             }
             div.tools {
-                button.toggle type="button" aria-pressed="false" { "Show the error" }
-                @for (_, i, p) in &shown { span.scale data-run=(i) hidden[*i != first] { (p.heat_scale) } }
+                div.views role="group" aria-label="What to show" {
+                    @for (view, name) in views(report, section, reference) {
+                        button type="button" data-view=(view) aria-pressed=(if view == "image" { "true" } else { "false" }) { (name) }
+                    }
+                }
+                @for (_, i, p) in &shown { span.scale data-view="error" data-run=(i) hidden { (p.heat_scale) } }
             }
             @for (_, i, p) in &shown { (crops(p, *i, *i != first)) }
         }
+    }
+}
+
+/// What can be shown: its key, and its name for people.
+fn views(report: &Report, section: usize, reference: &ReferencePictures) -> Vec<(&'static str, String)> {
+    let title = report.references.get(section).map_or_else(|| "image".to_owned(), |r| r.role_title.clone());
+    let mut views = vec![("image", title)];
+    if reference.composed.is_some() {
+        views.push(("composed", "The picture with it".into()));
+    }
+    views.push(("error", "Its error".into()));
+    views
+}
+
+/// The error is shown over the reference of the role's image.
+fn references(reference: &ReferencePictures) -> Markup {
+    html! {
+        img.under data-view="image error" src=(data_uri(&reference.image)) alt="Path-traced reference";
+        @if let Some(composed) = &reference.composed {
+            img.under data-view="composed" hidden src=(data_uri(composed)) alt="Path-traced picture";
+        }
+    }
+}
+
+fn shots(p: &RunPictures, run: usize, first: bool, label: &str) -> Markup {
+    let shot = |view: &str, image: &Image<Srgb8>, what: &str| {
+        let hidden = !first || view != "image";
+        html! { img.shot data-view=(view) data-run=(run) hidden[hidden] src=(data_uri(image)) alt=(format!("{what} of {label}")); }
+    };
+    html! {
+        (shot("image", &p.image, "Image"))
+        @if let Some(composed) = &p.composed { (shot("composed", composed, "Picture")) }
+        (shot("error", &p.heat, "Error"))
     }
 }
 

@@ -175,6 +175,13 @@ pub struct RunError {
     pub noise: Option<f64>,
     /// Smallest bias that could be seen.
     pub bias_floor: Option<f64>,
+    /// `biased` when the bias is more than noise of seeds and reference explains, else `unbiased`: none that this many repeats show.
+    /// `null` with one repeat.
+    pub label: Option<&'static str>,
+    /// Mean of the image over mean of the reference, less 1, averaged over seeds. `null` for a black reference.
+    pub mean_relative_error: Option<f64>,
+    /// Half width of its 95 % confidence interval, from the seeds and the reference.
+    pub mean_relative_error_95: Option<f64>,
     /// Standard deviation of the MSE over seeds, divided by √repeats.
     pub mse_standard_error: f64,
     /// Share of pixels on the wrong side of one half, off the reference's shadow border (visibility).

@@ -140,7 +140,7 @@ mod tests {
     #[test]
     fn variable_numbers_continue_while_their_bit_says_so() {
         // 0b0101 and more, then 0b0011 and no more: 5 + 3 · 16
-        let mut bits = Bits::new(&[0b1_0101 | 0b011 << 5, 0]);
+        let mut bits = Bits::new(&[0b0111_0101, 0]);
         assert_eq!(bits.variable(4), 5 + 3 * 16);
     }
 
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn canonical_codes_are_decoded() {
         let code = Huffman::new(&[3, 1, 0, 2, 3]).unwrap();
-        let mut bits = Bits::new(&[0b0_011_01_0 | 0b11 << 6, 0b1]); // 0, 10, 110, 111
+        let mut bits = Bits::new(&[0b1101_1010, 0b1]); // from the right: 0, 10, 110, 111
         let symbols: Vec<u32> = (0..4).map(|_| code.symbol(&mut bits).unwrap()).collect();
         assert_eq!(symbols, [1, 3, 0, 4]);
     }

@@ -6,6 +6,9 @@ use crate::{SceneError, Texels};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 
+/// Beyond the image itself decoders keep little; more is a file that unpacks without end, such as a colour profile of zeros.
+const MAX_DECODER_BYTES: u64 = 8 << 30;
+
 /// Width, height and texels; 16-bit PNGs keep their depth.
 pub fn decode(encoded: &Encoded<'_>, budget: &Budget) -> Result<(u32, u32, Texels), SceneError> {
     let mut reader = ImageReader::new(Cursor::new(encoded.bytes)).with_guessed_format().map_err(|error| encoded.invalid(error))?;
@@ -15,7 +18,7 @@ pub fn decode(encoded: &Encoded<'_>, budget: &Budget) -> Result<(u32, u32, Texel
         _ => return Err(encoded.invalid("the image is none of PNG, JPEG, WebP and KTX 2")),
     }
     let mut limits = Limits::default();
-    limits.max_alloc = Some(budget.limits.bytes);
+    limits.max_alloc = Some(budget.limits.bytes.min(MAX_DECODER_BYTES));
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(|error| encoded.invalid(error))?;
     let (width, height) = decoder.dimensions();

@@ -218,10 +218,12 @@ fn place_meshes(
                 scene.nodes[index].skin = Some(skin);
             }
         }
+        let bytes = (size_of::<Node>() + size_of_val(&meshes[..])) as u64;
+        resources.budget.claim(resources.file, &place, 1, bytes)?;
         match &json.extensions.instancing {
             None => scene.nodes[index].meshes = meshes,
             Some(instancing) => {
-                for (number, transform) in node::instances(resources, index, instancing, notes)?.into_iter().enumerate() {
+                for (number, transform) in node::instances(resources, index, instancing, bytes, notes)?.into_iter().enumerate() {
                     scene.nodes.push(Node {
                         name: format!("{}[{number}]", json.name),
                         parent: Some(index),

@@ -4,7 +4,7 @@ use super::accessor::Selection;
 use super::json::{self, Document, floats};
 use super::notes::Notes;
 use super::resources::{Resources, label};
-use crate::{Camera, Light, LightShape, Node, Projection, SceneError, Transform};
+use crate::{Camera, Light, LightShape, Projection, SceneError, Transform};
 use glam::{Mat4, Quat, Vec3, Vec4};
 use kajo_units::{Candela, LinearRgb, LuminousEfficacy, Lux, Meters, Radians};
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -24,14 +24,14 @@ pub fn parents(resources: &Resources<'_>) -> Result<Vec<Option<usize>>, SceneErr
     }
     // Walking up from every node, each node is passed once: a walk ends where an earlier one has been.
     let mut walk_of = vec![usize::MAX; nodes.len()];
-    for start in 0..nodes.len() {
+    for (start, json) in nodes.iter().enumerate() {
         let mut node = Some(start);
         while let Some(index) = node.filter(|&index| walk_of[index] == usize::MAX) {
             walk_of[index] = start;
             node = parents[index];
         }
         if node.is_some_and(|index| walk_of[index] == start) {
-            return Err(resources.invalid(label("node", start, &nodes[start].name), "it is its own ancestor"));
+            return Err(resources.invalid(label("node", start, &json.name), "it is its own ancestor"));
         }
     }
     Ok(parents)
@@ -94,11 +94,12 @@ pub fn transform(resources: &Resources<'_>, index: usize) -> Result<Transform, S
     })
 }
 
-/// The transforms of EXT_mesh_gpu_instancing, each relative to the node.
+/// The transforms of EXT_mesh_gpu_instancing, each relative to the node. `node_bytes` is the memory that each of them will take.
 pub fn instances(
     resources: &Resources<'_>,
     node: usize,
     instancing: &json::Instancing,
+    node_bytes: u64,
     notes: &mut Notes,
 ) -> Result<Vec<Transform>, SceneError> {
     let place = label("node", node, &resources.document.nodes[node].name);
@@ -113,7 +114,7 @@ pub fn instances(
         }
     }
     let count = count.unwrap_or(0);
-    resources.budget.claim(resources.file, &place, count, size_of::<Node>() as u64)?;
+    resources.budget.claim(resources.file, &place, count, node_bytes)?;
     fn attribute<const N: usize>(
         resources: &Resources<'_>,
         instancing: &json::Instancing,

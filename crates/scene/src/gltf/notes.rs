@@ -1,6 +1,7 @@
 //! Collects what the importer ignores: each kind of thing once, with the names of all places where it occurs.
 
 use crate::Ignored;
+use std::collections::{HashMap, HashSet};
 
 /// How many places are named before the rest is counted.
 const NAMED_PLACES: usize = 8;
@@ -9,27 +10,37 @@ const NAMED_PLACES: usize = 8;
 pub struct Notes {
     file: String,
     notes: Vec<Note>,
+    /// Where the note of a feature and a consequence stands in the list.
+    index: HashMap<(String, String), usize>,
 }
 
+/// One kind of thing.
 struct Note {
     feature: String,
     consequence: String,
-    places: Vec<String>,
+    /// The first places where it occurs.
+    named: Vec<String>,
+    /// All of them.
+    places: HashSet<String>,
 }
 
 impl Notes {
     /// An empty list for a file.
     pub fn new(file: &str) -> Self {
-        Self { file: file.into(), notes: Vec::new() }
+        Self { file: file.into(), notes: Vec::new(), index: HashMap::new() }
     }
 
     /// Adds a place (empty: the file) where `feature` occurs.
     pub fn add(&mut self, place: impl Into<String>, feature: impl Into<String>, consequence: impl Into<String>) {
         let (place, feature, consequence) = (place.into(), feature.into(), consequence.into());
-        match self.notes.iter_mut().find(|note| note.feature == feature && note.consequence == consequence) {
-            Some(note) if note.places.contains(&place) => {}
-            Some(note) => note.places.push(place),
-            None => self.notes.push(Note { feature, consequence, places: vec![place] }),
+        let next = self.notes.len();
+        let index = *self.index.entry((feature.clone(), consequence.clone())).or_insert(next);
+        if index == next {
+            self.notes.push(Note { feature, consequence, named: Vec::new(), places: HashSet::new() });
+        }
+        let note = &mut self.notes[index];
+        if note.places.insert(place.clone()) && note.named.len() < NAMED_PLACES {
+            note.named.push(place);
         }
     }
 
@@ -48,17 +59,18 @@ impl Notes {
     /// The list, in the order in which kinds first occurred.
     pub fn finish(self) -> Vec<Ignored> {
         let file = self.file;
-        let entry =
-            |note: Note| Ignored { file: file.clone(), place: join(&note.places), feature: note.feature, consequence: note.consequence };
+        let entry = |note: Note| Ignored { file: file.clone(), place: note.place(), feature: note.feature, consequence: note.consequence };
         self.notes.into_iter().map(entry).collect()
     }
 }
 
-fn join(places: &[String]) -> String {
-    let named = places[..places.len().min(NAMED_PLACES)].join(", ");
-    match places.len().saturating_sub(NAMED_PLACES) {
-        0 => named,
-        more => format!("{named} and {more} more"),
+impl Note {
+    fn place(&self) -> String {
+        let named = self.named.join(", ");
+        match self.places.len() - self.named.len() {
+            0 => named,
+            more => format!("{named} and {more} more"),
+        }
     }
 }
 

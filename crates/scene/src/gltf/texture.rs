@@ -7,22 +7,50 @@ use crate::decode::{self, Encoded};
 use crate::{ColorSpace, Filter, SceneError, Texels, Texture, TextureImage, TextureRef, Wrap};
 use glam::{Affine2, Vec2};
 use rayon::prelude::*;
+use std::collections::HashMap;
+use std::hash::Hash;
 use std::sync::Arc;
 
 /// Where an image of the scene comes from.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Source {
     /// An image of the file.
     File(usize),
     /// The roughness 1 − glossiness · A of a specular-glossiness image, in the channel G of a metallic-roughness image.
-    RoughnessOf { image: usize, glossiness: f32 },
+    RoughnessOf {
+        image: usize,
+        /// The bits of the number.
+        glossiness: u32,
+    },
+}
+
+/// Distinct values in the order in which they first came.
+struct Distinct<T> {
+    values: Vec<T>,
+    index: HashMap<T, usize>,
+}
+
+impl<T: Copy + Eq + Hash> Distinct<T> {
+    fn new() -> Self {
+        Self { values: Vec::new(), index: HashMap::new() }
+    }
+
+    /// The index of a value, which is added where it is new.
+    fn add(&mut self, value: T) -> usize {
+        let next = self.values.len();
+        let index = *self.index.entry(value).or_insert(next);
+        if index == next {
+            self.values.push(value);
+        }
+        index
+    }
 }
 
 /// The textures in the making.
 pub struct Textures<'r, 'a> {
     resources: &'r Resources<'a>,
-    textures: Vec<Texture>,
-    sources: Vec<Source>,
+    textures: Distinct<Texture>,
+    sources: Distinct<Source>,
 }
 
 /// Which `TEXCOORD_n` of a mesh the two slots of texture coordinates hold, for one material.
@@ -53,7 +81,7 @@ impl UvSlots {
 
 impl<'r, 'a> Textures<'r, 'a> {
     pub fn new(resources: &'r Resources<'a>) -> Self {
-        Self { resources, textures: Vec::new(), sources: Vec::new() }
+        Self { resources, textures: Distinct::new(), sources: Distinct::new() }
     }
 
     /// The use of a texture by a material, or `None` with a note where the file has no image for it that Kajo reads.
@@ -79,7 +107,8 @@ impl<'r, 'a> Textures<'r, 'a> {
         notes: &mut Notes,
     ) -> Result<Option<TextureRef>, SceneError> {
         let Some((image, texture)) = self.image_of(info, place, notes)? else { return Ok(None) };
-        self.add(Source::RoughnessOf { image, glossiness }, texture, info, ColorSpace::Linear, slots, place, notes).map(Some)
+        self.add(Source::RoughnessOf { image, glossiness: glossiness.to_bits() }, texture, info, ColorSpace::Linear, slots, place, notes)
+            .map(Some)
     }
 
     /// Index of the image that a texture shows, and the texture.
@@ -109,9 +138,9 @@ impl<'r, 'a> Textures<'r, 'a> {
         place: &str,
         notes: &mut Notes,
     ) -> Result<TextureRef, SceneError> {
-        let image = position_or_push(&mut self.sources, source);
+        let image = self.sources.add(source);
         let (wrap, filter) = self.sampler(texture.sampler, info.index)?;
-        let texture = position_or_push(&mut self.textures, Texture { image, wrap, filter, color_space });
+        let texture = self.textures.add(Texture { image, wrap, filter, color_space });
 
         notes.unknown_extensions(place, info.extensions.other.keys());
         let transform = info.extensions.transform.as_ref();
@@ -148,12 +177,12 @@ impl<'r, 'a> Textures<'r, 'a> {
 
     /// Decodes the images.
     pub fn finish(self) -> Result<(Vec<Texture>, Vec<Arc<TextureImage>>), SceneError> {
-        let mut indices: Vec<usize> = Vec::new();
-        for source in &self.sources {
-            position_or_push(&mut indices, source.image());
+        let mut used = Distinct::new();
+        for source in &self.sources.values {
+            used.add(source.image());
         }
         let resources = self.resources;
-        let files: Vec<(Vec<u8>, String, String)> = indices.iter().map(|&index| self.file(index)).collect::<Result<_, _>>()?;
+        let files: Vec<(Vec<u8>, String, String)> = used.values.iter().map(|&index| self.file(index)).collect::<Result<_, _>>()?;
         let budget = resources.budget;
         let file = resources.file;
         let decoded: Vec<Result<TextureImage, SceneError>> = files
@@ -161,17 +190,17 @@ impl<'r, 'a> Textures<'r, 'a> {
             .map(|(bytes, place, name)| decode::decode(&Encoded { file, place, name, bytes: &bytes }, budget))
             .collect();
         let decoded: Vec<Arc<TextureImage>> = decoded.into_iter().map(|image| image.map(Arc::new)).collect::<Result<_, _>>()?;
-        let image_of = |index| &decoded[indices.iter().position(|&known| known == index).expect("collected above")];
-        let images = self.sources.iter().map(|source| match *source {
+        let image_of = |index| &decoded[used.index[&index]];
+        let images = self.sources.values.iter().map(|source| match *source {
             Source::File(index) => Ok(image_of(index).clone()),
             Source::RoughnessOf { image, glossiness } => {
                 let image = image_of(image);
                 budget.claim(file, &image.name, u64::from(image.width) * u64::from(image.height), 8)?;
-                Ok(Arc::new(roughness(image, glossiness)))
+                Ok(Arc::new(roughness(image, f32::from_bits(glossiness))))
             }
         });
         let images = images.collect::<Result<_, SceneError>>()?;
-        Ok((self.textures, images))
+        Ok((self.textures.values, images))
     }
 
     /// The bytes of an image file, its place and its name.
@@ -208,13 +237,6 @@ fn roughness(image: &TextureImage, glossiness: f32) -> TextureImage {
     };
     let texels = alpha.into_iter().map(|a| [65535, ((1.0 - glossiness * a).clamp(0.0, 1.0) * 65535.0).round() as u16, 65535, 65535]);
     TextureImage { name: format!("{} (roughness)", image.name), texels: Texels::Rgba16(texels.collect()), ..*image }
-}
-
-fn position_or_push<T: PartialEq>(list: &mut Vec<T>, value: T) -> usize {
-    list.iter().position(|known| *known == value).unwrap_or_else(|| {
-        list.push(value);
-        list.len() - 1
-    })
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ pub enum Texels {
 }
 
 /// An image with its sampler and encoding.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Texture {
     /// Index into [`Scene::images`](crate::Scene::images).
     pub image: usize,
@@ -40,7 +40,7 @@ pub struct Texture {
 }
 
 /// Addressing outside [0, 1].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// Periodic.
     #[default]
@@ -52,7 +52,7 @@ pub enum Wrap {
 }
 
 /// Magnification filter.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Filter {
     /// Nearest texel.
     Nearest,
@@ -62,7 +62,7 @@ pub enum Filter {
 }
 
 /// Encoding of the colour channels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ColorSpace {
     /// sRGB, decoded before filtering.
     Srgb,

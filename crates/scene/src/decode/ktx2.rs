@@ -2,17 +2,16 @@
 //!
 //! The first mip level of a two-dimensional image is read; the smaller ones are the renderer's to make.
 
+use super::Encoded;
 use super::bits::Malformed;
 use super::etc1s::Codebooks;
-use super::{Encoded, uastc};
+use super::ktx2_container::{Container, Supercompression};
+use super::uastc::decode_block;
 use crate::limits::Budget;
 use crate::{SceneError, Texels};
-use ktx2::{ColorModel, Format, Reader, SupercompressionScheme};
+use ktx2::{ColorModel, Format};
 use std::borrow::Cow;
 use std::io::Read;
-
-/// The first bytes of a file.
-pub const MAGIC: [u8; 12] = *b"\xabKTX 20\xbb\r\n\x1a\n";
 
 /// How the numbers of a plain format are stored.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -31,6 +30,15 @@ impl Number {
             Self::Float32 => 4,
         }
     }
+
+    /// Bytes of a decoded texel.
+    fn texel_size(self) -> u64 {
+        match self {
+            Self::Unorm8 => 4,
+            Self::Unorm16 => 8,
+            Self::Float16 | Self::Float32 => 16,
+        }
+    }
 }
 
 /// Width, height and texels of the first level.
@@ -40,54 +48,53 @@ pub fn decode(encoded: &Encoded<'_>, budget: &Budget) -> Result<(u32, u32, Texel
         feature: format!("{} ({what})", encoded.place),
         advice: "convert it to a two-dimensional KTX 2 with Basis Universal (UASTC, ETC1S) or plain texels, or to PNG".into(),
     };
-    let reader = Reader::new(encoded.bytes).map_err(|error| encoded.invalid(format!("the KTX 2 file is damaged: {error}")))?;
-    let header = reader.header();
-    let (width, height) = (header.pixel_width, header.pixel_height);
-    if header.pixel_depth > 0 || header.layer_count > 1 || header.face_count != 1 {
+    let damaged = |problem: Malformed| encoded.invalid(format!("the KTX 2 file is damaged: {problem}"));
+    let container = Container::read(encoded.bytes).map_err(damaged)?;
+    let Container { width, height, supercompression, .. } = container;
+    if !container.is_flat {
         return Err(unsupported("a KTX 2 volume, array or cube map".into()));
     }
-    let level = reader.levels().next().ok_or_else(|| encoded.invalid("the KTX 2 file has no level"))?;
-
-    let Some(format) = header.format else {
-        let texels = match (reader.color_model(), header.supercompression_scheme) {
-            (Some(ColorModel::ETC1S), Some(SupercompressionScheme::BasisLZ)) => {
-                encoded.claim(budget, width, height, 4)?;
-                etc1s(reader.supercompression_global_data(), header.level_count.max(1), level.data, width, height)
-                    .map_err(|problem| encoded.invalid(format!("the BasisLZ data of the KTX 2 file is damaged: {problem}")))?
-            }
-            (Some(ColorModel::UASTC), None | Some(SupercompressionScheme::Zstandard)) => {
-                encoded.claim(budget, width, height, 4)?;
-                let blocks = u64::from(width.div_ceil(4)) * u64::from(height.div_ceil(4));
-                let bytes =
-                    level_bytes(header.supercompression_scheme, level.data, blocks as usize * 16).map_err(|e| encoded.invalid(e))?;
-                uastc_texels(&bytes, width as usize, height as usize)
-                    .ok_or_else(|| encoded.invalid("the KTX 2 file has bits that are no UASTC block"))?
-            }
-            (model, scheme) => return Err(unsupported(format!("a KTX 2 file with the colour model {model:?} compressed by {scheme:?}"))),
-        };
-        return Ok((width, height, Texels::Rgba8(texels)));
+    let texels = match (container.format, container.color_model, supercompression) {
+        (None, Some(ColorModel::ETC1S), Supercompression::BasisLz) => {
+            encoded.claim(budget, width, height, 4)?;
+            Texels::Rgba8(etc1s(&container).map_err(damaged)?)
+        }
+        (None, Some(ColorModel::UASTC), Supercompression::None | Supercompression::Zstandard) => {
+            encoded.claim(budget, width, height, 4)?;
+            let blocks = width.div_ceil(4) as usize * height.div_ceil(4) as usize;
+            let bytes = level_bytes(&container, 16 * blocks).map_err(|error| encoded.invalid(error))?;
+            Texels::Rgba8(uastc(&bytes, width as usize, height as usize).ok_or_else(|| damaged("its bits are no UASTC blocks"))?)
+        }
+        (Some(format), _, Supercompression::None | Supercompression::Zstandard) => {
+            let (number, channels, reversed) =
+                plain(format).ok_or_else(|| unsupported(format!("a KTX 2 file in the format {format:?}")))?;
+            encoded.claim(budget, width, height, number.texel_size())?;
+            let length = width as usize * height as usize * channels * number.size();
+            let bytes = level_bytes(&container, length).map_err(|error| encoded.invalid(error))?;
+            unpack(&bytes, number, channels, reversed)
+        }
+        (format, model, scheme) => {
+            return Err(unsupported(format!(
+                "a KTX 2 file in the format {format:?} with colour model {model:?} and compression {scheme:?}"
+            )));
+        }
     };
-    let (number, channels, reversed) = plain(format).ok_or_else(|| unsupported(format!("a KTX 2 file in the format {format:?}")))?;
-    encoded.claim(budget, width, height, if number == Number::Unorm8 { 4 } else { 4 * number.size().max(2) as u64 })?;
-    let length = width as usize * height as usize * channels * number.size();
-    if let Some(scheme) = header.supercompression_scheme.filter(|&scheme| scheme != SupercompressionScheme::Zstandard) {
-        return Err(unsupported(format!("a KTX 2 file with plain texels compressed by {scheme:?}")));
-    }
-    let bytes = level_bytes(header.supercompression_scheme, level.data, length).map_err(|error| encoded.invalid(error))?;
-    Ok((width, height, unpack(&bytes, number, channels, reversed)))
+    Ok((width, height, texels))
 }
 
 /// The bytes of a level, decompressed where it is; exactly `length` of them.
-fn level_bytes(scheme: Option<SupercompressionScheme>, data: &[u8], length: usize) -> Result<Cow<'_, [u8]>, String> {
-    let bytes = if scheme.is_some() { Cow::Owned(inflate(data, length)?) } else { Cow::Borrowed(data) };
+fn level_bytes<'a>(container: &Container<'a>, length: usize) -> Result<Cow<'a, [u8]>, String> {
+    let compressed = container.supercompression == Supercompression::Zstandard;
+    let bytes = if compressed { Cow::Owned(inflate(container.level, length)?) } else { Cow::Borrowed(container.level) };
     if bytes.len() == length { Ok(bytes) } else { Err(format!("the KTX 2 level has {} bytes instead of {length}", bytes.len())) }
 }
 
 /// An image of ETC1S blocks; its alpha is the green of a second slice.
-fn etc1s(global: &[u8], images: u32, level: &[u8], width: u32, height: u32) -> Result<Vec<[u8; 4]>, Malformed> {
+fn etc1s(container: &Container<'_>) -> Result<Vec<[u8; 4]>, Malformed> {
     const OUTSIDE: Malformed = "a slice lies outside its level";
-    let (books, slices) = Codebooks::read(global, images as usize)?;
-    let (width, height) = (width as usize, height as usize);
+    let Container { global, level, .. } = container;
+    let (books, slices) = Codebooks::read(global, container.levels as usize)?;
+    let (width, height) = (container.width as usize, container.height as usize);
     let mut texels = vec![[255; 4]; width * height];
     let color = level.get(slices.color).ok_or(OUTSIDE)?;
     books.decode(color, width, height, |texel, [r, g, b]| texels[texel] = [r, g, b, 255])?;
@@ -99,10 +106,10 @@ fn etc1s(global: &[u8], images: u32, level: &[u8], width: u32, height: u32) -> R
 }
 
 /// An image of UASTC blocks, row by row.
-fn uastc_texels(blocks: &[u8], width: usize, height: usize) -> Option<Vec<[u8; 4]>> {
+fn uastc(blocks: &[u8], width: usize, height: usize) -> Option<Vec<[u8; 4]>> {
     let mut texels = vec![[0; 4]; width * height];
     for (index, block) in blocks.chunks_exact(16).enumerate() {
-        let block = uastc::decode_block(block.try_into().expect("chunks of 16"))?;
+        let block = decode_block(block.try_into().expect("chunks of 16"))?;
         let (left, top) = (index % width.div_ceil(4) * 4, index / width.div_ceil(4) * 4);
         for (y, row) in (top..height.min(top + 4)).zip(block.chunks_exact(4)) {
             for (x, texel) in (left..width.min(left + 4)).zip(row) {

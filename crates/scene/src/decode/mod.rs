@@ -6,6 +6,7 @@
 mod bits;
 mod etc1s;
 mod ktx2;
+mod ktx2_container;
 mod raster;
 mod uastc;
 
@@ -54,7 +55,7 @@ impl Encoded<'_> {
 /// [`SceneError`] when it is none of the known formats, is damaged, or exceeds the limits.
 pub(crate) fn decode(encoded: &Encoded<'_>, budget: &Budget) -> Result<TextureImage, SceneError> {
     let (width, height, texels) =
-        if encoded.bytes.starts_with(&ktx2::MAGIC) { ktx2::decode(encoded, budget)? } else { raster::decode(encoded, budget)? };
+        if encoded.bytes.starts_with(&ktx2_container::MAGIC) { ktx2::decode(encoded, budget)? } else { raster::decode(encoded, budget)? };
     Ok(TextureImage { name: encoded.name.clone(), width, height, texels })
 }
 

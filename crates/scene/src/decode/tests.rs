@@ -35,7 +35,7 @@ fn texels8(bytes: &[u8]) -> Vec<[u8; 4]> {
 
 /// A KTX 2 file with one level and no compression.
 fn plain(vk_format: u32, width: u32, height: u32, level: &[u8]) -> Vec<u8> {
-    let mut file = ktx2::MAGIC.to_vec();
+    let mut file = ktx2_container::MAGIC.to_vec();
     for word in [vk_format, 1, width, height, 0, 0, 1, 1, 0, 104, 28, 0, 0, 0, 0, 0, 0] {
         file.extend(word.to_le_bytes());
     }
@@ -132,7 +132,6 @@ fn bits_that_are_no_uastc_block_are_refused() {
 fn every_truncation_is_refused() {
     for file in [fixture(ETC1S), fixture(UASTC), fixture(UASTC_ZSTANDARD), plain(37, 2, 2, &[9; 16])] {
         for length in 0..file.len() {
-            // Zeros beyond the last byte of a bit stream may be what it says anyway; all else is missed.
             let cut = try_decode(&file[..length], ImportLimits::default());
             assert!(cut.is_err(), "cut to {length} of {}", file.len());
         }
@@ -142,7 +141,7 @@ fn every_truncation_is_refused() {
 #[test]
 fn sizes_shapes_and_formats_are_checked() {
     let error = |bytes: &[u8]| try_decode(bytes, ImportLimits { bytes: 1 << 20, image_side: 1000 }).unwrap_err().to_string();
-    assert!(error(&plain(37, 0, 5, &[])).starts_with("`a.gltf`: image 0: the KTX 2 file is damaged: "));
+    assert_eq!(error(&plain(37, 0, 5, &[])), "`a.gltf`: image 0: the image has 0 × 5 px");
     assert!(error(&plain(37, 1001, 1, &[0; 4])).contains("an image side of 1001 exceeds the limit of 1000"));
     assert!(error(&plain(37, 1000, 1000, &[0; 4])).contains("a total of decoded bytes of 4000000 exceeds the limit of 1048576"));
     assert!(error(&plain(37, 2, 2, &[0; 12])).contains("the KTX 2 level has 12 bytes instead of 16"));
@@ -152,7 +151,7 @@ fn sizes_shapes_and_formats_are_checked() {
     assert!(error(&cube).contains("cube map"), "{}", error(&cube));
     let mut large = fixture(ETC1S);
     large[20..24].copy_from_slice(&900u32.to_le_bytes());
-    assert!(error(&large).contains("the BasisLZ data of the KTX 2 file is damaged"), "{}", error(&large));
+    assert!(error(&large).contains("the KTX 2 file is damaged: "), "{}", error(&large));
 }
 
 #[test]

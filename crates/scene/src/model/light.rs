@@ -14,7 +14,8 @@ pub struct Light {
 }
 
 /// Geometry of a light, and what [`Light::emission`] means for it. Areas emit on the side their −z axis points to (a sphere outwards),
-/// and are visible to cameras and reflections; scaling a node scales its areas.
+/// and are visible to cameras and reflections; scaling a node scales its areas. They have no surface: light passes them, and nothing
+/// reflects from them. A lamp that does is a light before a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightShape {
     /// Point; emission is radiant intensity, W/sr.

@@ -40,8 +40,7 @@ pub fn parse_obj(file: &str, bytes: &[u8], reader: &dyn ResourceReader, limits: 
     let mut notes = Notes { file, list: scan.notes };
     let libraries = RefCell::new(Vec::new());
     let mut lines = Lines { rest: bytes, number: 0 };
-    let options =
-        tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
+    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let parsed = tobj::load_obj_buf(&mut lines, &options, |name| {
         let (materials, note) = material_library(reader, name);
         libraries.borrow_mut().extend(note);

@@ -8,7 +8,7 @@ fn parse(text: &str) -> Scene {
 }
 
 fn refused(text: &str) -> String {
-    parse_obj("test.obj", text.as_bytes(), &NoResources, ImportLimits::default()).err().expect("refused").to_string()
+    parse_obj("test.obj", text.as_bytes(), &NoResources, ImportLimits::default()).expect_err("refused").to_string()
 }
 
 /// A square with texture coordinates and the given material library.

@@ -34,6 +34,6 @@ fn make(_: u32) -> Scene {
     let strip = LightShape::Rectangle { width: Meters(LIGHT_EXTENT[0]), height: Meters(LIGHT_EXTENT[1]) };
     let down = turned(Vec3::new(0.0, LIGHT_HEIGHT, 0.0), Quat::from_rotation_x(-FRAC_PI_2));
     stage.light("strip", strip, LinearRgb::new(60.0, 57.0, 52.0), down);
-    stage.camera("camera", Vec3::new(0.0, 2.3, 3.7), Vec3::new(0.1, 0.22, 0.0), 38.0, Some(16.0 / 9.0));
+    stage.camera("camera", Vec3::new(0.15, 2.3, 3.9), Vec3::new(0.15, 0.2, 0.0), 40.0, Some(16.0 / 9.0));
     stage.finish()
 }

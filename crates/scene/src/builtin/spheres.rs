@@ -44,7 +44,7 @@ fn make(_: u32) -> Scene {
     stage.light("key", soft_box(3.0, 2.0), LinearRgb::new(13.0, 12.4, 11.4), looking(Vec3::new(-4.0, 5.0, 3.0), target));
     stage.light("rim", soft_box(4.0, 0.8), LinearRgb::new(8.0, 9.0, 10.4), looking(Vec3::new(3.5, 4.2, -4.0), target));
     stage.environment(LinearRgb::new(0.3, 0.32, 0.36));
-    stage.camera("camera", Vec3::new(0.0, 3.0, 8.4), Vec3::new(0.0, 0.82, 0.0), 26.0, Some(16.0 / 9.0));
+    stage.camera("camera", Vec3::new(0.0, 3.0, 8.9), Vec3::new(0.0, 0.8, 0.0), 27.5, Some(16.0 / 9.0));
     stage.finish()
 }
 

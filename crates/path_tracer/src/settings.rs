@@ -112,7 +112,7 @@ pub enum Integrator {
     /// Full transport by BSDF sampling alone, written independently of `Path`: the check of the judge. It cannot see point, spot
     /// and parallel lights.
     BsdfOnly,
-    /// Ambient visibility (1/π) ∫ V cos θ dω by cosine-distributed rays.    [Pharr02]
+    /// Ambient visibility (1/π) ∫ V cos θ dω by cosine-distributed rays.    [Zhukov98]
     Ao,
     /// Mean of V over uniformly distributed directions of the hemisphere, 1/2π ∫ V dω.
     AoUniform,
@@ -160,20 +160,15 @@ pub enum Strategy {
 /// Ending of paths by chance: a path goes on with probability q, and what it finds is divided by q.    [Arvo90]
 ///
 /// Unbiased for every q in (0, 1]; it trades noise for time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum RussianRoulette {
     /// Paths end at the depth limit only.
     Off,
     /// From the third bounce on, q is the largest channel of the path's throughput, at most 0.95.
+    #[default]
     Throughput,
     /// q at every bounce.
     Constant(f32),
-}
-
-impl Default for RussianRoulette {
-    fn default() -> Self {
-        Self::Throughput
-    }
 }
 
 impl RussianRoulette {

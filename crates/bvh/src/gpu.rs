@@ -12,14 +12,15 @@
 //! `left_or_first + 1`; push the farther one. In an instance transform origin and direction (do not normalise: `t` then keeps its meaning)
 //! and start at `blas_nodes[root]`. A stack of [`FlatBvh::tlas_stack`] and one of [`FlatBvh::blas_stack`] entries suffice.
 //! Boxes are entered with the margin of [`slab`](crate::slab): `e = margin · (D + |o|) + extra`, D from the box of the root; for meshes
-//! `margin` is [`MARGIN`] and `extra` 0. [`FlatBvh::closest_hit`] is this walk in Rust.
+//! `margin` is [`MARGIN`] and `extra` 0. [`FlatBvh::closest_hit`] is this walk in Rust; it decides triangles in double precision, where a
+//! shader that has none may differ on rays that meet an edge or a triangle edge-on.
 
 use crate::{
     aabb::Aabb,
     build::{BinaryTree, BuildOptions, Cost, Item},
     ray::{Filter, Hit, Ray},
     slab::{MARGIN, SlabRay},
-    tlas::Tlas,
+    tlas::{Tlas, world_bounds},
     traverse::Nearest,
     triangle::ShearedRay,
 };
@@ -165,7 +166,7 @@ impl FlatBvh {
     fn place(&mut self, tlas: &Tlas) {
         let placed = tlas.placed();
         let items = placed.iter().enumerate().map(|(slot, p)| {
-            let bounds = tlas.blases()[p.blas as usize].bounds().transformed(&p.world_from_object);
+            let bounds = world_bounds(&tlas.blases()[p.blas as usize], &p.world_from_object);
             Item::new(&bounds, slot as u32)
         });
         let options = BuildOptions { max_leaf_size: 1, ..BuildOptions::default() };

@@ -107,7 +107,7 @@ impl Tlas {
             if blas.bounds().is_empty() {
                 continue;
             }
-            let bounds = blas.bounds().transformed(&instance.world_from_object);
+            let bounds = world_bounds(blas, &instance.world_from_object);
             if bounds.max_abs().is_nan() || bounds.max_abs() > MAX_COORDINATE {
                 return Err(BvhError::Transform { instance: number });
             }
@@ -256,6 +256,11 @@ impl Tlas {
     pub(crate) fn margin(&self) -> (f32, f32) {
         (self.margin, self.extra)
     }
+}
+
+/// Box around a mesh in the world; exactly that of the mesh where it is not moved.
+pub(crate) fn world_bounds(blas: &Blas, world_from_object: &Affine3A) -> Aabb {
+    if *world_from_object == Affine3A::IDENTITY { blas.bounds() } else { blas.bounds().transformed(world_from_object) }
 }
 
 /// The inverse, rounded from double precision, and by how much going there and back amplifies a rounding error: the greatest row sum

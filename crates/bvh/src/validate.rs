@@ -3,7 +3,7 @@
 use crate::{
     aabb::Aabb,
     blas::Blas,
-    tlas::Tlas,
+    tlas::{Tlas, world_bounds},
     triangle::{Block, NO_PRIMITIVE},
     wide::{Child, WideTree},
 };
@@ -104,7 +104,7 @@ impl Tlas {
         let mut reached = vec![0; placed.len()];
         check_tree(self.tree(), placed.len(), |slot| {
             reached[slot] += 1;
-            Ok(self.blases()[placed[slot].blas as usize].bounds().transformed(&placed[slot].world_from_object))
+            Ok(world_bounds(&self.blases()[placed[slot].blas as usize], &placed[slot].world_from_object))
         })?;
         if let Some(slot) = reached.iter().position(|&times| times != 1) {
             return Err(Fault::Reached { primitive: placed[slot].instance as usize, times: reached[slot] });

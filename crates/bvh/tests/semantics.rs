@@ -201,6 +201,36 @@ fn singular_placements_are_left_out_and_listed() {
 }
 
 #[test]
+fn sizes_over_many_magnitudes_make_a_deep_tree_that_is_traced_right() {
+    // Each triangle is twice as far and twice as large as the one before: every split cuts off one.
+    let mut mesh = TestMesh::default();
+    for i in 0..116 {
+        let size = 2.0f32.powi(i - 58);
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([Vec3::new(-1.0, -1.0, 1.0), Vec3::new(3.0, -1.0, 1.1), Vec3::new(-1.0, 3.0, 0.9)].map(|p| p * size));
+        mesh.indices.extend([[first, first + 1, first + 2]; 3]);
+    }
+    let tlas = Tlas::single(mesh.blas());
+    tlas.validate().unwrap();
+    let mut random = Random::new(27);
+    for _ in 0..300 {
+        let scale = 2.0f32.powi((random.unit() * 110.0) as i32 - 55);
+        let ray = Ray::new(random.cube() * scale, random.cube() + Vec3::Z);
+        let expected = tlas.closest_hit_brute_force(&ray, Filter::ALL, |_| true);
+        same(expected, tlas.closest_hit_opaque(&ray, Filter::ALL)).unwrap();
+        assert_eq!(expected.map(|h| h.primitive % 3), expected.map(|_| 0), "the first of three equal triangles");
+    }
+}
+
+#[test]
+fn a_mesh_at_the_limit_of_coordinates_is_traced() {
+    let mesh = stack_of_squares(1).map(|p| p * kajo_bvh::triangle::MAX_COORDINATE);
+    let tlas = Tlas::single(mesh.blas());
+    let ray = Ray::new(Vec3::new(0.75e18, 0.25e18, -1e18), Vec3::Z * 1e18);
+    assert_eq!(tlas.closest_hit_opaque(&ray, Filter::ALL).map(|h| (h.t, h.primitive)), Some((1.0, 0)));
+}
+
+#[test]
 fn any_thread_count_builds_the_same_tree() {
     let mesh = soup(30_000, 0.05, 16);
     let build = |threads: usize| {

@@ -1,7 +1,7 @@
 //! The light for scenes that have none.
 //!
 //! An object gets a key light, a small sun from the upper left of its camera, and a uniform sky that fills the shadows. A camera
-//! inside of the bounds, as in a room, gets a glowing disk above it that faces down: no sun comes in where walls are, and a lamp that
+//! inside of the bounds, as in a room, gets a glowing disk before and above it that faces down: no sun comes in where walls are, and a lamp that
 //! shone on the ceiling close above it would light the room by a hot spot there.
 
 use crate::{Environment, Light, LightShape, Node, PlacedCamera, Scene, Snapshot, Transform, framing};
@@ -20,19 +20,20 @@ const KEY_FROM: Vec3 = Vec3::new(-0.6, 0.9, 0.5);
 /// Radiance of the sky, W/(m² sr).
 const SKY: f32 = 0.4;
 
-/// Lights a scene that has none, at exposure 0 unless its author chose one, and says how.
+/// Lights a scene that has none, and says how.
 pub fn light(scene: &mut Scene) -> &'static str {
-    scene.exposure.get_or_insert(0.0);
     let snapshot = Snapshot::new(scene, Seconds(0.0));
     let bounds = framing::bounds(&snapshot.meshes, &snapshot.instances);
     let camera = &snapshot.cameras[0];
     let eye = camera.world_from_view.w_axis.truncate();
     let inside = eye.cmpgt(bounds[0]).all() && eye.cmplt(bounds[1]).all();
     if inside {
-        let (light, place) = ceiling_light(eye, bounds);
+        let (light, place) = ceiling_light(camera, bounds);
         add(scene, light, place, Quat::from_rotation_x(-FRAC_PI_2));
-        "a lamp above the camera was added"
+        "a lamp before and above the camera was added"
     } else {
+        // The key light is made for exposure 0; automatic exposure would look at the sky instead of the object.
+        scene.exposure.get_or_insert(0.0);
         let (light, rotation) = key_light(camera);
         add(scene, light, eye, rotation);
         scene.environment = Some(Environment::uniform(LinearRgb::splat(SKY)));
@@ -47,10 +48,13 @@ fn key_light(camera: &PlacedCamera) -> (Light, Quat) {
     (light, Quat::from_rotation_arc(Vec3::Z, towards))
 }
 
-/// Half way from the eye to the top of the bounds, facing down.
-fn ceiling_light(eye: Vec3, [low, high]: [Vec3; 2]) -> (Light, Vec3) {
-    let place = eye + Vec3::Y * 0.5 * (high.y - eye.y);
-    let radius = 0.1 * (high.y - low.y);
+/// Half way to what the camera looks at and half way to the top of the bounds, facing down: away from walls, which it would make too bright.
+fn ceiling_light(camera: &PlacedCamera, [low, high]: [Vec3; 2]) -> (Light, Vec3) {
+    let eye = camera.world_from_view.w_axis.truncate();
+    let forward = camera.world_from_view.transform_vector3(Vec3::NEG_Z).with_y(0.0).normalize_or_zero();
+    let ahead = 0.5 * camera.camera.focus_distance.0.min(0.5 * (high - low).max_element());
+    let place = eye + forward * ahead + Vec3::Y * 0.5 * (high.y - eye.y);
+    let radius = 0.15 * (high.y - low.y);
     let height = place.y - low.y;
     // On the axis of a disk, E = π L r² / (r² + h²).    [PBR4] section 4.2.3
     let radiance = FLOOR_IRRADIANCE * (radius * radius + height * height) / (PI * radius * radius);

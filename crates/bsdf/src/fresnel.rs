@@ -38,7 +38,9 @@ pub fn ior_from_f0(f0: f32) -> f32 {
 
 /// Unpolarised reflectance of a dielectric interface.    Fresnel's equations, e.g. [Walter07] eq. 22
 ///
-///     F = ½ (g − c)²/(g + c)² (1 + (c (g + c) − 1)²/(c (g − c) + 1)²),    g² = η² − 1 + c²
+/// ```text
+/// F = ½ (g − c)²/(g + c)² (1 + (c (g + c) − 1)²/(c (g − c) + 1)²),    g² = η² − 1 + c²
+/// ```
 ///
 /// `cos_theta` = c in [0, 1] on the side of the incident light, `eta` = index beyond over index before. Total internal
 /// reflection gives 1.
@@ -57,8 +59,10 @@ pub fn fresnel_dielectric(cos_theta: f32, eta: f32) -> f32 {
 
 /// Unpolarised reflectance of a conductor with complex index η + iκ, per channel.    Fresnel's equations, e.g. [Cook82]
 ///
-///     a² + b² = √((η² − κ² − sin²)² + 4η²κ²),  F = ½ (Rs + Rp),
-///     Rs = (t − 2ac + c²)/(t + 2ac + c²),  Rp = Rs (c²t − 2ac sin² + sin⁴)/(c²t + 2ac sin² + sin⁴),  t = a² + b²
+/// ```text
+/// a² + b² = √((η² − κ² − sin²)² + 4η²κ²),  F = ½ (Rs + Rp),
+/// Rs = (t − 2ac + c²)/(t + 2ac + c²),  Rp = Rs (c²t − 2ac sin² + sin⁴)/(c²t + 2ac sin² + sin⁴),  t = a² + b²
+/// ```
 #[inline]
 pub fn fresnel_conductor(cos_theta: f32, eta: Vec3, kappa: Vec3) -> Vec3 {
     let c = cos_theta.clamp(0.0, 1.0);

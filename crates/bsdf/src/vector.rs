@@ -10,7 +10,9 @@ pub fn reflect(wo: Vec3, n: Vec3) -> Vec3 {
 
 /// The direction into which light along `wo` refracts at a surface with unit normal `n` on the side of `wo`.
 ///
-///     wi = −wo/η + (cos θo/η − cos θi) n,    cos² θi = 1 − (1 − cos² θo)/η²            Snell's law
+/// ```text
+/// wi = −wo/η + (cos θo/η − cos θi) n,    cos² θi = 1 − (1 − cos² θo)/η²            Snell's law
+/// ```
 ///
 /// `eta` = n_i / n_o, the index beyond the surface over the index on the side of `wo`. `None`: total internal reflection.
 #[inline]

@@ -81,7 +81,9 @@ pub fn linear(rgb: Vec3) -> Vec3 {
 
 /// The ACES reference rendering and sRGB output transforms as fitted by S. Hill: matrix, rational curve per channel, matrix.
 ///
-///     c(v) = (v (v + 0.0245786) − 0.000090537) / (v (0.983729 v + 0.4329510) + 0.238081)            [Hill16]
+/// ```text
+/// c(v) = (v (v + 0.0245786) − 0.000090537) / (v (0.983729 v + 0.4329510) + 0.238081)            [Hill16]
+/// ```
 ///
 /// A fit of the curve only: it lacks the glow and red modifiers of the full transform. Middle grey 0.18 comes out at 0.106.
 pub fn aces(rgb: Vec3) -> Vec3 {
@@ -94,8 +96,10 @@ pub fn aces(rgb: Vec3) -> Vec3 {
 
 /// AgX, base look, in the version of 2022: inset matrix, sigmoid over 16.5 stops, the inverse of the inset, display power 2.2.
 ///
-///     x = (log₂ c + 12.474) / 16.5    in [0, 1]
-///     s(x) = ½ + 2 (x − x₀) / (1 + a |x − x₀|^p)^(1/p),   x₀ = 20/33,   p = 3 below x₀ and 13/4 above            [Sobotka22]
+/// ```text
+/// x = (log₂ c + 12.474) / 16.5    in [0, 1]
+/// s(x) = ½ + 2 (x − x₀) / (1 + a |x − x₀|^p)^(1/p),   x₀ = 20/33,   p = 3 below x₀ and 13/4 above            [Sobotka22]
+/// ```
 ///
 /// The published transform tabulates s; here it is evaluated in closed form. Its coefficients a follow from s(0) = 0 and s(1) = 1.
 /// Middle grey 0.18 is sent to ½ by the sigmoid, and so to ½^2.2 = 0.218 of the display's light.
@@ -131,9 +135,11 @@ fn agx_sigmoid(linear: f32) -> f32 {
 
 /// The Khronos PBR neutral tone map: colours stay what they are up to 0.8, highlights fade to white.    [KhronosNeutral]
 ///
-///     f = m − m²/(4 F₉₀) where the smallest channel m ≤ 2 F₉₀, else F₉₀ = 0.04
-///     p = max(c − f),   p' = 1 − (1 − k)²/(p + 1 − 2k),   k = 0.8 − F₉₀
-///     c' = c − f where p ≤ k, else mix((c − f) p'/p, p', 1 − 1/(0.15 (p − p') + 1))
+/// ```text
+/// f = m − m²/(4 F₉₀) where the smallest channel m ≤ 2 F₉₀, else F₉₀ = 0.04
+/// p = max(c − f),   p' = 1 − (1 − k)²/(p + 1 − 2k),   k = 0.8 − F₉₀
+/// c' = c − f where p ≤ k, else mix((c − f) p'/p, p', 1 − 1/(0.15 (p − p') + 1))
+/// ```
 pub fn pbr_neutral(rgb: Vec3) -> Vec3 {
     const F90: f32 = 0.04;
     const START: f32 = 0.8 - F90;

@@ -23,8 +23,10 @@ const ROUNDING: f64 = 1e-12;
 
 /// Splits the error of K independent runs against a reference, over pixels and channels.
 ///
-///     noise² = mean s²,   s² the unbiased variance over runs
-///     bias²  = mean (X̄ − R)² − mean s²/K − mean var(R)
+/// ```text
+/// noise² = mean s²,   s² the unbiased variance over runs
+/// bias²  = mean (X̄ − R)² − mean s²/K − mean var(R)
+/// ```
 ///
 /// The two subtractions remove what the noise of the mean and of the reference add to the first term, so bias² has the right
 /// expectation; it may come out below 0, which is then 0.

@@ -13,7 +13,9 @@ const C2: f64 = 0.03 * 0.03;
 
 /// Mean SSIM of the luminance of two pictures with channel values in [0, 1] (see [`View::picture`](crate::View::picture)).
 ///
-///     SSIM = (2 μx μy + C1)(2 σxy + C2) / ((μx² + μy² + C1)(σx² + σy² + C2))          [Wang04] eq. 13
+/// ```text
+/// SSIM = (2 μx μy + C1)(2 σxy + C2) / ((μx² + μy² + C1)(σx² + σy² + C2))          [Wang04] eq. 13
+/// ```
 ///
 /// Gaussian window 11×11, σ = 1.5, weights of sum 1, C1 = 0.01², C2 = 0.03², mean over the windows that lie inside the picture.
 /// `None` when the picture is smaller than a window. 1 for equal pictures.

@@ -3,9 +3,11 @@
 //! Radiance is split by light-path expressions: by the number of bounces, by light, and by the lobe of the *first* bounce. With
 //! the bounces of a path counted from the camera, on the same random streams,
 //!
-//!     beauty = emission + direct + indirect-diffuse + indirect-specular
-//!     direct = direct-diffuse + direct-specular = Σ direct.<light>
-//!     beauty = Σ bounce.<n>,  n = 0 … max_depth
+//! ```text
+//! beauty = emission + direct + indirect-diffuse + indirect-specular
+//! direct = direct-diffuse + direct-specular = Σ direct.<light>
+//! beauty = Σ bounce.<n>,  n = 0 … max_depth
+//! ```
 //!
 //! The role images (`visibility.<light>`, `ambient-visibility`, `diffuse-indirect`, `specular-indirect`) are the integrals that
 //! real-time techniques estimate at the first hit; asking for them does not change the random numbers of `beauty`.
@@ -35,7 +37,9 @@ pub enum Aov {
     Bounce(u32),
     /// Role direct-visibility: the share of a light that the first hit sees, [0, 1].
     ///
-    ///     (1/A) ∫_A V(x, y) dA_y     (directional and sphere lights: the mean over the solid angle they fill as seen from x)
+    /// ```text
+    /// (1/A) ∫_A V(x, y) dA_y     (directional and sphere lights: the mean over the solid angle they fill as seen from x)
+    /// ```
     ///
     /// Purely geometric: no cosine of the receiver, no falloff, no sidedness of the light, no cone of a spot. V = 0 where the
     /// segment leaves below the geometric surface that the viewer sees: the surface blocks it itself. Masked and blended

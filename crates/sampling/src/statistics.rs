@@ -4,7 +4,9 @@ use statrs::function::gamma::gamma_ur;
 
 /// p-value of Pearson's χ² test of observed against expected counts (same length, same total).
 ///
-///     χ² = Σ (O − E)² / E,    p = Q(ν/2, χ²/2)            [Pearson1900]
+/// ```text
+/// χ² = Σ (O − E)² / E,    p = Q(ν/2, χ²/2)            [Pearson1900]
+/// ```
 ///
 /// Cells with few expected counts are pooled (in order of expectation) until each pool expects at least 5, the usual domain of
 /// the approximation. ν = pools − 1 − `fitted`, with `fitted` the number of parameters estimated from the data. Observations in

@@ -25,7 +25,9 @@ impl Environment {
 
     /// Image coordinates, both in [0, 1], of a unit vector in the world.
     ///
-    ///     u = ½ + atan2(d.x, −d.z) / 2π,   v = acos(d.y) / π,   with d = R_y(−rotation) · direction
+    /// ```text
+    /// u = ½ + atan2(d.x, −d.z) / 2π,   v = acos(d.y) / π,   with d = R_y(−rotation) · direction
+    /// ```
     ///
     /// The arc cosine is taken as atan2(√(d.x² + d.z²), d.y), which keeps its digits near the poles.
     pub fn uv(&self, direction: Vec3) -> Vec2 {

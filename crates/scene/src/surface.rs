@@ -150,7 +150,9 @@ impl Material {
 
     /// Absorption coefficient of the volume that the surface bounds, 1/m.    KHR_materials_volume, "Attenuation"
     ///
-    ///     σ_a = −ln(attenuation colour) / attenuation distance,   so that T(d) = exp(−σ_a d) is the colour at that distance
+    /// ```text
+    /// σ_a = −ln(attenuation colour) / attenuation distance,   so that T(d) = exp(−σ_a d) is the colour at that distance
+    /// ```
     ///
     /// Zero without volume (thickness 0) and for clear volumes.
     pub fn absorption(&self) -> LinearRgb {

@@ -28,7 +28,9 @@ impl Lumens {
     ///
     /// With the falloff of KHR_lights_punctual, ((cos θ − cos θ_o) / (cos θ_i − cos θ_o))² between the half angles, the integral is closed:
     ///
-    ///     Ω = 2π [(1 − cos θ_i) + (cos θ_i − cos θ_o) / 3]
+    /// ```text
+    /// Ω = 2π [(1 − cos θ_i) + (cos θ_i − cos θ_o) / 3]
+    /// ```
     ///
     /// Domain: 0 ≤ inner ≤ outer, 0 < outer ≤ π/2.
     pub fn to_candela_spot(self, inner: Radians, outer: Radians) -> Candela {

@@ -208,7 +208,9 @@ impl GlassView {
 
 /// wo·m, D G2 Jacobian cos and density of a refracted direction without Fresnel factors, in the frame of the facets.
 ///
-///     f cos = |wo·m||wi·m| / cos θo · D G2 / (wo·m + η wi·m)²,    p = D_vis η² |wi·m| / (wo·m + η wi·m)²     [Walter07] eqs. 17, 21
+/// ```text
+/// f cos = |wo·m||wi·m| / cos θo · D G2 / (wo·m + η wi·m)²,    p = D_vis η² |wi·m| / (wo·m + η wi·m)²     [Walter07] eqs. 17, 21
+/// ```
 ///
 /// f is for radiance: light that enters a denser medium from `wo`'s side carries 1/η².
 fn refracted_pair(alpha: Vec2, wo: Vec3, wi: Vec3, eta: f32) -> Option<(f32, f32, f32)> {

@@ -12,7 +12,9 @@ pub const MIN_ALPHA: f32 = 1e-3;
 
 /// GGX normal distribution D(m), isotropic.
 ///
-///     D(m) = α² / (π ((n·m)² (α² − 1) + 1)²)            [Walter07] eq. 33, [Karis13]
+/// ```text
+/// D(m) = α² / (π ((n·m)² (α² − 1) + 1)²)            [Walter07] eq. 33, [Karis13]
+/// ```
 ///
 /// Unit: 1/sr. Normalised so that ∫ D(m) (n·m) dm = 1. `n_dot_m` in [0, 1]; values outside are clamped.
 #[inline]

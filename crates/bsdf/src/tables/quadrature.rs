@@ -23,7 +23,9 @@ fn point(i: u32, n: u32) -> Vec2 {
 
 /// Directional albedo of GGX single scattering, as factors of f0 and f90 of Schlick's Fresnel, with `n` samples.    [Karis13]
 ///
-///     E(wo) = ∫ f cos θi dωi = f0 ∫ (1 − w) G2/G1 + f90 ∫ w G2/G1,    w = (1 − wo·m)⁵, m over visible normals
+/// ```text
+/// E(wo) = ∫ f cos θi dωi = f0 ∫ (1 − w) G2/G1 + f90 ∫ w G2/G1,    w = (1 − wo·m)⁵, m over visible normals
+/// ```
 pub fn ggx_albedo(wo: Vec3, alpha: Vec2, n: u32) -> [f32; 2] {
     let alpha = alpha.max(Vec2::splat(ALPHA_FLOOR));
     let (mut a, mut b) = (0.0f64, 0.0f64);

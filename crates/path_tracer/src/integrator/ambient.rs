@@ -10,7 +10,9 @@ use kajo_sampling::warp::{cosine_hemisphere, uniform_hemisphere};
 impl Context<'_> {
     /// One ray from a surface: the direction it takes and 1 if nothing is met within the ambient distance, else 0.
     ///
-    ///     cosine:  mean → (1/π) ∫ V cos θ dω        uniform:  mean → 1/2π ∫ V dω             [Zhukov98]
+    /// ```text
+    /// cosine:  mean → (1/π) ∫ V cos θ dω        uniform:  mean → 1/2π ∫ V dω             [Zhukov98]
+    /// ```
     ///
     /// Directions below the geometric surface are blocked. A lone wall at distance d, seen with a longest ray r and a = d/r, leaves
     /// 1 − (1 − a)/2 (uniform) and 1 − (acos a − a √(1 − a²))/π (cosine).

@@ -1,6 +1,8 @@
 //! The path tracer: next-event estimation and BSDF sampling at every surface, combined by multiple importance sampling.
 //!
-//!     L(x, ωo) = Le + ∫ f(ωi, ωo) L(x, ωi) |cos θi| dωi                                 [Kajiya86] eq. 1
+//! ```text
+//! L(x, ωo) = Le + ∫ f(ωi, ωo) L(x, ωi) |cos θi| dωi                                 [Kajiya86] eq. 1
+//! ```
 //!
 //! Both strategies find direct light; each contribution weighs w = p² / (p² + p_other²), the power heuristic [Veach98] eq. 9.11.
 //! Transmissive surfaces block shadow rays, so caustics come from BSDF sampling alone. A volume absorbs by the Beer-Lambert law

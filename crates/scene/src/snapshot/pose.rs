@@ -54,7 +54,9 @@ fn sample(channel: &Channel, time: f32) -> Vec<f32> {
 
 /// Cubic Hermite spline between keys k and k + 1, tangents scaled by the interval d:
 ///
-///     p(t) = (2t³ − 3t² + 1) vₖ + d (t³ − 2t² + t) bₖ + (−2t³ + 3t²) vₖ₊₁ + d (t³ − t²) aₖ₊₁       glTF 2.0, appendix C.5
+/// ```text
+/// p(t) = (2t³ − 3t² + 1) vₖ + d (t³ − 2t² + t) bₖ + (−2t³ + 3t²) vₖ₊₁ + d (t³ − t²) aₖ₊₁       glTF 2.0, appendix C.5
+/// ```
 ///
 /// with values v, out-tangents b and in-tangents a.
 fn cubic(channel: &Channel, key: usize, t: f32, interval: f32) -> Vec<f32> {

@@ -73,3 +73,22 @@ impl Default for MaterialParams {
         }
     }
 }
+
+impl MaterialParams {
+    /// Index of refraction of each channel.    KHR_materials_dispersion
+    ///
+    /// Half of the spread between red and blue is (n − 1) · 0.025 · dispersion; no spread for a thin surface.
+    pub fn channel_iors(&self) -> Vec3 {
+        let ior = if self.ior.is_finite() { self.ior.max(0.0) } else { 1.5 };
+        let dispersion = if self.dispersion.is_finite() { self.dispersion.max(0.0) } else { 0.0 };
+        let spread = if ior > 1.0 && !self.thin { (ior - 1.0) * 0.025 * dispersion } else { 0.0 };
+        if spread > 0.0 { Vec3::new((ior - spread).max(1.0), ior, ior + spread) } else { Vec3::splat(ior) }
+    }
+
+    /// The same material for light of one channel (0, 1, 2), without dispersion: `f` of that channel is unchanged.
+    ///
+    /// A path whose throughput is left with one channel should go on with this, else two of three refracted samples carry nothing.
+    pub fn for_channel(&self, channel: usize) -> Self {
+        Self { ior: self.channel_iors()[channel], dispersion: 0.0, ..*self }
+    }
+}

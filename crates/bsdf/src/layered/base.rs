@@ -1,146 +1,12 @@
 //! The opaque base: metal and dielectric reflection from one set of GGX facets, and the diffuse lobe below the dielectric.
 
+use super::facets::{FacetPair, Facets};
 use super::film::FilmFresnel;
 use super::{mean, unit, unit3};
-use crate::microfacet::{
-    GgxAlbedo, MIN_ALPHA, alpha_of_albedo, ggx_albedo, ggx_albedo_aniso, ggx_albedo_aniso_average, ggx_d_aniso,
-    ggx_multiple_scattering_color, ggx_sample_vndf, ggx_visibility_aniso, ggx_vndf_pdf, glass_albedo,
-};
-use crate::tables::quadrature;
-use crate::{MaterialParams, f0_from_ior, fresnel_schlick, reflect, schlick_weight};
-use glam::{Vec2, Vec3};
+use crate::microfacet::{GgxAlbedo, ggx_multiple_scattering_color};
+use crate::{MaterialParams, f0_from_ior, fresnel_schlick};
+use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
-
-/// Points of the quadratures that stand in for tables of anisotropic dielectrics, which would have five dimensions.
-const ANISOTROPIC_POINTS: u32 = 64;
-
-/// Width and orientation of the facets.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Facets {
-    pub alpha: Vec2,
-    /// Cosine and sine of the rotation of α_x from the tangent; `None` for isotropic facets.
-    rotation: Option<Vec2>,
-    pub is_delta: bool,
-}
-
-/// Half vector, distribution, masking and density of one pair of directions on the same side.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FacetPair {
-    /// wo · m.
-    pub cos_m: f32,
-    /// D V cos θi.
-    pub value: f32,
-    /// Density of wi.
-    pub pdf: f32,
-}
-
-impl Facets {
-    fn new(params: &MaterialParams) -> Self {
-        let alpha = unit(params.roughness.0).powi(2);
-        let strength = unit(params.anisotropy);
-        // KHR_materials_anisotropy: α_t = mix(α, 1, strength²), α_b = α.
-        let wide = alpha + (1.0 - alpha) * strength * strength;
-        let is_delta = wide < MIN_ALPHA;
-        let alpha = Vec2::new(wide, alpha).max(Vec2::splat(MIN_ALPHA));
-        let rotation = (alpha.x > alpha.y).then(|| Vec2::from_angle(params.anisotropy_rotation.0));
-        Self { alpha, rotation: rotation.filter(|r| r.is_finite()), is_delta }
-    }
-
-    /// From the shading frame to the frame of the facets.
-    #[inline]
-    pub fn to_facets(self, v: Vec3) -> Vec3 {
-        self.rotation.map_or(v, |r| Vec3::new(r.x * v.x + r.y * v.y, r.x * v.y - r.y * v.x, v.z))
-    }
-
-    #[inline]
-    fn to_shading(self, v: Vec3) -> Vec3 {
-        self.rotation.map_or(v, |r| Vec3::new(r.x * v.x - r.y * v.y, r.x * v.y + r.y * v.x, v.z))
-    }
-
-    /// A facet visible from `wo`, shading frame.
-    #[inline]
-    pub fn sample(self, wo: Vec3, u: Vec2) -> Vec3 {
-        self.to_shading(ggx_sample_vndf(self.alpha, self.to_facets(wo), u))
-    }
-
-    /// Albedo E of single scattering seen from `v`.
-    #[inline]
-    pub fn albedo(self, v: Vec3) -> GgxAlbedo {
-        if self.is_delta {
-            let w = schlick_weight(v.z);
-            return GgxAlbedo { f0: 1.0 - w, f90: w };
-        }
-        match self.rotation {
-            None => ggx_albedo(self.alpha.x, v.z),
-            Some(_) => ggx_albedo_aniso(self.alpha, self.to_facets(v)),
-        }
-    }
-
-    /// [`Facets::albedo`] whose split into f0 and f90 is right for anisotropic facets too, by a small quadrature.
-    #[inline]
-    pub fn dielectric_albedo(self, v: Vec3, e: GgxAlbedo) -> GgxAlbedo {
-        if self.is_delta || self.rotation.is_none() {
-            return e;
-        }
-        let [f0, f90] = quadrature::ggx_albedo(self.to_facets(v), self.alpha, ANISOTROPIC_POINTS);
-        let scale = e.white() / (f0 + f90).max(1e-3);
-        GgxAlbedo { f0: f0 * scale, f90: f90 * scale }
-    }
-
-    /// Mean over the cosine-weighted hemisphere of [`Facets::dielectric_albedo`].
-    fn dielectric_albedo_average(self) -> GgxAlbedo {
-        let average = self.albedo_average();
-        if self.is_delta || self.rotation.is_none() {
-            return average;
-        }
-        // Three Gauss points in cos² θ, which is uniform there, times two azimuths in the quadrant.
-        let (mut f90, mut white) = (0.0, 0.0);
-        for (x, weight) in [(0.112_702, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298, 5.0 / 18.0)] {
-            for phi in [0.331_9, 1.238_9] {
-                let v = quadrature::direction(f32::sqrt(x), phi);
-                let [a, b] = quadrature::ggx_albedo(v, self.alpha, ANISOTROPIC_POINTS);
-                white += 0.5 * weight * (a + b);
-                f90 += 0.5 * weight * b;
-            }
-        }
-        let f90 = f90 * average.white() / white.max(1e-3);
-        GgxAlbedo { f0: average.white() - f90, f90 }
-    }
-
-    /// Share of light that glass with these facets reflects or transmits.
-    pub fn glass_albedo(self, v: Vec3, eta: f32) -> f32 {
-        match self.rotation {
-            None => glass_albedo(self.alpha.x, v.z, eta),
-            Some(_) => quadrature::glass_albedo(self.to_facets(v), self.alpha, eta, 2 * ANISOTROPIC_POINTS),
-        }
-    }
-
-    /// Ē.
-    fn albedo_average(self) -> GgxAlbedo {
-        if self.is_delta { GgxAlbedo { f0: 20.0 / 21.0, f90: 1.0 / 21.0 } } else { ggx_albedo_aniso_average(self.alpha) }
-    }
-
-    /// Width by which tables that only know isotropic facets are read.
-    pub fn isotropic_alpha(self, v: Vec3) -> f32 {
-        if self.rotation.is_none() { self.alpha.x } else { alpha_of_albedo(self.albedo(v).white(), v.z) }
-    }
-
-    /// `None` for delta facets.
-    #[inline]
-    pub fn pair(self, wo: Vec3, wi: Vec3) -> Option<FacetPair> {
-        if self.is_delta {
-            return None;
-        }
-        let (wo, wi) = (self.to_facets(wo), self.to_facets(wi));
-        let m = (wo + wi).normalize_or_zero();
-        let cos_m = wo.dot(m);
-        if cos_m <= 0.0 {
-            return None;
-        }
-        let value = ggx_d_aniso(self.alpha, m) * ggx_visibility_aniso(self.alpha, wo, wi) * wi.z;
-        Some(FacetPair { cos_m, value, pdf: ggx_vndf_pdf(self.alpha, wo, m) / (4.0 * cos_m) })
-    }
-}
 
 /// Everything that does not depend on directions. Weights of metal and dielectric are multiplied into the colours.
 #[derive(Clone, Copy, Debug)]
@@ -168,7 +34,7 @@ pub(super) struct Base {
 
 impl Base {
     pub fn new(params: &MaterialParams) -> Self {
-        let facets = Facets::new(params);
+        let facets = Facets::of_base(params);
         let metallic = unit(params.metallic);
         let opaque = (1.0 - metallic) * (1.0 - unit(params.transmission));
         let color = unit3(params.base_color.0);
@@ -208,6 +74,12 @@ impl Base {
         }
     }
 
+    /// True for a pure Lambert surface.
+    #[inline]
+    pub fn is_lambert(&self) -> bool {
+        self.is_lambert
+    }
+
     pub fn facets(&self) -> Facets {
         self.facets
     }
@@ -243,7 +115,7 @@ impl Base {
 }
 
 /// f0 and f90 of the dielectric.    KHR_materials_specular, KHR_materials_ior
-pub(super) fn dielectric_reflectances(params: &MaterialParams) -> (Vec3, Vec3) {
+fn dielectric_reflectances(params: &MaterialParams) -> (Vec3, Vec3) {
     let specular = unit(params.specular);
     let ior = if params.ior.is_finite() { params.ior.max(0.0) } else { 1.5 };
     let f0 = unit3(f0_from_ior(ior) * params.specular_color.0) * specular;
@@ -283,11 +155,6 @@ impl BaseView {
         }
     }
 
-    #[inline]
-    pub fn facets(&self, base: &Base, wi: Vec3) -> Option<FacetPair> {
-        if base.is_lambert { None } else { base.facets.pair(self.wo, wi) }
-    }
-
     /// Diffuse and specular f cos θi of a direction above the surface.
     #[inline]
     pub fn eval(&self, base: &Base, wi: Vec3, facets: Option<&FacetPair>) -> (Vec3, Vec3) {
@@ -305,12 +172,6 @@ impl BaseView {
             specular += base.fresnel(f.cos_m) * f.value;
         }
         (diffuse, specular)
-    }
-
-    /// A mirrored direction; may lie below the surface.
-    #[inline]
-    pub fn sample(&self, base: &Base, u: Vec2) -> Vec3 {
-        reflect(self.wo, base.facets.sample(self.wo, u))
     }
 
     /// Reflectance of the mirror, if the facets are one.

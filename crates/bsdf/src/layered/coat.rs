@@ -1,8 +1,8 @@
 //! The layers above the base: clear coat and sheen. Both scale what lies below by one minus their albedo at `wo`.
 
+use super::facets::{Facets, FacetsView};
 use super::{unit, unit3};
-use crate::microfacet::{MIN_ALPHA, ggx_albedo, ggx_d_aniso, ggx_sample_vndf, ggx_visibility_aniso, ggx_vndf_pdf};
-use crate::{MaterialParams, SHEEN_MIN_ALPHA, f0_from_ior, reflect, schlick_weight, sheen_albedo, sheen_d, sheen_visibility};
+use crate::{MaterialParams, SHEEN_MIN_ALPHA, f0_from_ior, schlick_weight, sheen_albedo, sheen_d, sheen_visibility};
 use glam::{Vec2, Vec3};
 use kajo_sampling::Frame;
 
@@ -12,7 +12,7 @@ const COAT_IOR: f32 = 1.5;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coat {
     weight: f32,
-    alpha: f32,
+    facets: Facets,
     frame: Frame,
 }
 
@@ -24,20 +24,23 @@ impl Coat {
         }
         let n = params.clearcoat_normal.normalize_or_zero();
         let frame = if n == Vec3::ZERO || n == Vec3::Z || n.z <= 0.0 { Frame::IDENTITY } else { Frame::from_z(n) };
-        Some(Self { weight, alpha: unit(params.clearcoat_roughness.0).powi(2), frame })
+        Some(Self { weight, facets: Facets::isotropic(unit(params.clearcoat_roughness.0).powi(2)), frame })
     }
 
     pub fn is_delta(&self) -> bool {
-        self.alpha < MIN_ALPHA
+        self.facets.is_delta
     }
 }
 
 /// The coat seen from one `wo`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CoatView {
-    coat: Coat,
+    weight: f32,
+    frame: Frame,
     /// In the frame of the coat.
     wo: Vec3,
+    facets: FacetsView,
+    is_delta: bool,
     /// Share of light that passes the coat.
     pub below: f32,
 }
@@ -49,13 +52,9 @@ impl CoatView {
         if wo.z < 1e-4 {
             wo = Vec3::new(wo.x, wo.y, 1e-4).normalize();
         }
-        let e = if coat.is_delta() {
-            Self::fresnel(wo.z)
-        } else {
-            let e = ggx_albedo(coat.alpha, wo.z);
-            f0_from_ior(COAT_IOR) * e.f0 + e.f90
-        };
-        Self { coat: *coat, wo, below: 1.0 - coat.weight * e }
+        let e = coat.facets.albedo(wo);
+        let below = 1.0 - coat.weight * (f0_from_ior(COAT_IOR) * e.f0 + e.f90);
+        Self { weight: coat.weight, frame: coat.frame, wo, facets: FacetsView::new(&coat.facets, wo), is_delta: coat.is_delta(), below }
     }
 
     fn fresnel(cos_m: f32) -> f32 {
@@ -66,28 +65,21 @@ impl CoatView {
     /// f cos and density; the cosine is the one with the coat's normal.
     #[inline]
     pub fn eval(&self, wi: Vec3) -> (f32, f32) {
-        let wi = self.coat.frame.to_local(wi);
-        if self.coat.is_delta() || wi.z <= 0.0 {
-            return (0.0, 0.0);
+        let wi = self.frame.to_local(wi);
+        match self.facets.pair(wi) {
+            Some(f) if wi.z > 0.0 => (self.weight * Self::fresnel(f.cos_m) * f.value, f.pdf),
+            _ => (0.0, 0.0),
         }
-        let alpha = Vec2::splat(self.coat.alpha);
-        let m = (self.wo + wi).normalize_or_zero();
-        let cos_m = self.wo.dot(m);
-        if cos_m <= 0.0 {
-            return (0.0, 0.0);
-        }
-        let value = ggx_d_aniso(alpha, m) * ggx_visibility_aniso(alpha, self.wo, wi) * wi.z;
-        (self.coat.weight * Self::fresnel(cos_m) * value, ggx_vndf_pdf(alpha, self.wo, m) / (4.0 * cos_m))
     }
 
     pub fn sample(&self, u: Vec2) -> Vec3 {
-        self.coat.frame.to_world(reflect(self.wo, ggx_sample_vndf(Vec2::splat(self.coat.alpha), self.wo, u)))
+        self.frame.to_world(self.facets.reflect(u))
     }
 
     /// Mirror direction and reflectance of a smooth coat.
     pub fn delta(&self) -> Option<(Vec3, f32)> {
         let wi = Vec3::new(-self.wo.x, -self.wo.y, self.wo.z);
-        self.coat.is_delta().then(|| (self.coat.frame.to_world(wi), self.coat.weight * Self::fresnel(self.wo.z)))
+        self.is_delta.then(|| (self.frame.to_world(wi), self.weight * Self::fresnel(self.wo.z)))
     }
 }
 

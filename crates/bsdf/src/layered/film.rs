@@ -3,7 +3,7 @@
 //! The film's reflectance is evaluated at [`HAT_NODES`] angles and linear between them; that curve *is* the model, so its albedo
 //! is an exact sum over [`GGX_HAT_ALBEDO`] and the diffuse lobe below it can keep the energy.
 
-use super::base::Facets;
+use super::facets::Facets;
 use super::unit;
 use crate::microfacet::GgxAlbedo;
 use crate::tables::{GGX_HAT_ALBEDO, HAT_AXIS_NODES, HAT_NODES, place};

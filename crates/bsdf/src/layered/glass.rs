@@ -3,7 +3,7 @@
 //! Reflection uses the exact Fresnel equations. Rough glass is divided by its albedo, so that a lossless one keeps all light.
 //! Dispersion gives each channel its own index ([`Glass::etas`]); transmitted samples pick one channel.
 
-use super::base::{FacetPair, Facets, dielectric_reflectances};
+use super::facets::{FacetPair, Facets, FacetsView};
 use super::{mean, unit, unit3};
 use crate::microfacet::{ggx_d_aniso, ggx_g2_aniso, ggx_vndf_pdf};
 use crate::{MaterialParams, f0_from_ior, fresnel_dielectric, reflect, refract};
@@ -36,13 +36,10 @@ pub(super) struct DeltaSample {
 
 impl Glass {
     pub fn new(params: &MaterialParams, weight: f32, facets: Facets) -> Self {
-        let ior = if params.ior.is_finite() { params.ior.max(0.0) } else { 1.5 };
-        let dispersion = if params.dispersion.is_finite() { params.dispersion.max(0.0) } else { 0.0 };
-        // KHR_materials_dispersion: half of the spread of the index between red and blue.
-        let spread = if ior > 1.0 { (ior - 1.0) * 0.025 * dispersion } else { 0.0 };
-        let dispersive = spread > 0.0 && !params.thin;
-        let iors = if dispersive { Vec3::new((ior - spread).max(1.0), ior, ior + spread) } else { Vec3::splat(ior) };
-        let (f0, f90) = dielectric_reflectances(params);
+        let iors = params.channel_iors();
+        let dispersive = iors.x != iors.z;
+        let f0 = unit3(Vec3::from_array(iors.to_array().map(f0_from_ior)) * params.specular_color.0) * unit(params.specular);
+        let f90 = Vec3::splat(unit(params.specular));
         Self { weight: unit(weight), tint: unit3(params.base_color.0), facets, iors, dispersive, thin: params.thin, f0, f90 }
     }
 
@@ -117,19 +114,19 @@ impl GlassView {
             return (Vec3::ZERO, 0.0);
         }
         let r = glass.fresnel(f.cos_m, self.etas);
-        (self.scale * r * f.value, mean(r) * f.pdf)
+        (self.scale * r * f.value, mean(r) * f.visible_pdf)
     }
 
     /// f cos and density of a transmitted direction, wi.z < 0.
     #[inline]
-    pub fn transmit(&self, glass: &Glass, wi: Vec3) -> (Vec3, f32) {
+    pub fn transmit(&self, glass: &Glass, facets: &FacetsView, wi: Vec3) -> (Vec3, f32) {
         if glass.is_delta() {
             return (Vec3::ZERO, 0.0);
         }
         if glass.thin {
-            let Some(f) = glass.facets.pair(self.wo, Vec3::new(wi.x, wi.y, -wi.z)) else { return (Vec3::ZERO, 0.0) };
+            let Some(f) = facets.pair(Vec3::new(wi.x, wi.y, -wi.z)) else { return (Vec3::ZERO, 0.0) };
             let r = glass.fresnel(f.cos_m, self.etas);
-            return (self.scale * glass.tint * (Vec3::ONE - r) * f.value, (1.0 - mean(r)) * f.pdf);
+            return (self.scale * glass.tint * (Vec3::ONE - r) * f.value, (1.0 - mean(r)) * f.visible_pdf);
         }
         let (wo, wi) = (glass.facets.to_facets(self.wo), glass.facets.to_facets(wi));
         if !glass.dispersive {
@@ -149,8 +146,8 @@ impl GlassView {
     }
 
     /// A direction and (n_i/n_o)²; `u_choice` picks reflection or transmission.
-    pub fn sample(&self, glass: &Glass, u_choice: f32, u: Vec2) -> Option<(Vec3, f32)> {
-        let m = glass.facets.sample(self.wo, u);
+    pub fn sample(&self, glass: &Glass, facets: &FacetsView, u_choice: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        let m = facets.visible_normal(u);
         let mirrored = reflect(self.wo, m);
         let r = mean(glass.fresnel(self.wo.dot(m), self.etas));
         if u_choice < r {

@@ -15,6 +15,7 @@
 
 mod base;
 mod coat;
+mod facets;
 mod film;
 mod glass;
 #[cfg(test)]
@@ -26,6 +27,7 @@ mod types;
 use crate::MaterialParams;
 use base::{Base, BaseView};
 use coat::{Coat, CoatView, Sheen, SheenView};
+use facets::FacetsView;
 use glam::{Vec2, Vec3};
 use glass::{Glass, GlassView};
 pub use types::{BsdfSample, Lobe, LobeValues};
@@ -47,6 +49,8 @@ pub struct BsdfView<'a> {
     side: f32,
     /// `wo` above the surface.
     wo: Vec3,
+    /// Facets of base and glass.
+    facets: FacetsView,
     base: BaseView,
     glass: Option<GlassView>,
     coat: Option<CoatView>,
@@ -91,6 +95,7 @@ impl Bsdf {
         wo.z = wo.z.max(1e-6);
         let inside = side < 0.0 && self.glass.as_ref().is_some_and(Glass::has_inside);
         let base = BaseView::new(&self.base, wo);
+        let facets = if self.base.is_lambert() { FacetsView::ABSENT } else { FacetsView::new(&self.base.facets(), wo) };
         let glass = self.glass.as_ref().map(|g| GlassView::new(g, wo, inside));
         let coat = if inside { None } else { self.coat.as_ref().map(|c| CoatView::new(c, wo)) };
         let sheen = if inside { None } else { self.sheen.as_ref().map(|s| SheenView::new(s, wo)) };
@@ -107,7 +112,7 @@ impl Bsdf {
         if sum > 0.0 {
             chances.iter_mut().for_each(|c| *c /= sum);
         }
-        BsdfView { bsdf: self, side, wo, base, glass, coat, sheen, below, chances }
+        BsdfView { bsdf: self, side, wo, facets, base, glass, coat, sheen, below, chances }
     }
 
     /// f(wo, wi) |cos θi| without delta lobes, 1/sr.
@@ -160,7 +165,7 @@ impl BsdfView<'_> {
     fn eval_mirrored(&self, wi: Vec3) -> (LobeValues, f32) {
         let (mut diffuse, mut specular, mut pdf) = (Vec3::ZERO, Vec3::ZERO, 0.0);
         if wi.z > 0.0 {
-            let facets = self.base.facets(&self.bsdf.base, wi);
+            let facets = self.facets.pair(wi);
             let (d, s) = self.base.eval(&self.bsdf.base, wi, facets.as_ref());
             diffuse += d;
             specular += s;
@@ -187,7 +192,7 @@ impl BsdfView<'_> {
         } else if wi.z < 0.0
             && let (Some(glass), Some(view)) = (&self.bsdf.glass, &self.glass)
         {
-            let (f_glass, pdf_glass) = view.transmit(glass, wi);
+            let (f_glass, pdf_glass) = view.transmit(glass, &self.facets, wi);
             specular += f_glass * self.below;
             pdf += self.chances[GLASS] * pdf_glass;
         }
@@ -206,7 +211,7 @@ impl BsdfView<'_> {
                 if let Some(f) = self.base.delta(&self.bsdf.base) {
                     return Some(self.delta(Vec3::new(-self.wo.x, -self.wo.y, self.wo.z), f * self.below / chance, chance, 1.0));
                 }
-                (self.base.sample(&self.bsdf.base, u), Lobe::SPECULAR | Lobe::REFLECT, 1.0)
+                (self.facets.reflect(u), Lobe::SPECULAR | Lobe::REFLECT, 1.0)
             }
             COAT => {
                 let view = self.coat.as_ref()?;
@@ -221,7 +226,7 @@ impl BsdfView<'_> {
                     let scale = self.below / (chance * d.chance);
                     return Some(self.delta(d.wi, d.value * scale, chance * d.chance, d.eta2));
                 }
-                let (wi, eta2) = view.sample(glass, rest, u)?;
+                let (wi, eta2) = view.sample(glass, &self.facets, rest, u)?;
                 let direction = if wi.z > 0.0 { Lobe::REFLECT } else { Lobe::TRANSMIT };
                 (wi, Lobe::SPECULAR | direction, eta2)
             }

@@ -66,9 +66,9 @@ fn white_furnace_white_materials_keep_all_light() {
     }
 }
 
-/// The anisotropic albedo is an approximation (see `ggx_albedo_aniso`): energy is kept within 1.2 %.
+/// The anisotropic albedo is an approximation (see `ggx_albedo_aniso`): energy is kept within 1.5 %.
 #[test]
-fn white_furnace_anisotropic_materials_keep_light_within_1_2_percent() {
+fn white_furnace_anisotropic_materials_keep_light_within_1_5_percent() {
     let base = MaterialParams { anisotropy: 0.6, anisotropy_rotation: kajo_units::Radians(0.4), ..MaterialParams::default() };
     for (name, params) in [
         ("conductor", MaterialParams { metallic: 1.0, ..base }),
@@ -82,7 +82,7 @@ fn white_furnace_anisotropic_materials_keep_light_within_1_2_percent() {
                 // The dielectric integrates its albedo for every direction, which is slow.
                 let n = if name == "dielectric" { 1 << 12 } else { 1 << 15 };
                 let albedo = sampled_albedo(&params, direction(degrees, azimuth), n).total().0.x;
-                assert!((albedo - 1.0).abs() < 0.012, "{name}, roughness {r}, {degrees}°, azimuth {azimuth}: {albedo}");
+                assert!((albedo - 1.0).abs() < 0.015, "{name}, roughness {r}, {degrees}°, azimuth {azimuth}: {albedo}");
             }
         }
     }
@@ -150,7 +150,7 @@ fn no_material_reflects_more_than_it_receives() {
         for degrees in ANGLES {
             let sampled = sampled_albedo(&params, direction(degrees, 0.7), 1 << 13).total();
             // Anisotropic dielectrics hold their energy only as well as their albedo is known.
-            let slack = if params.anisotropy > 0.0 { 0.012 } else { 1e-3 };
+            let slack = if params.anisotropy > 0.0 { 0.015 } else { 1e-3 };
             // A dispersive sample carries three channels with different 1/η² scales and the η² of one: no exact sum.
             let slack = if params.dispersion > 0.0 { 0.12 } else { slack };
             assert!(sampled.max_component() <= 1.0 + slack + 2e-3, "{name}, {degrees}°: {sampled:?}");
@@ -330,6 +330,19 @@ fn dispersion_refracts_each_channel_with_its_own_index() {
         }
     }
     assert!(seen.iter().all(|&n| n > 200), "{seen:?}");
+}
+
+#[test]
+fn one_channel_of_a_dispersive_material_is_itself() {
+    let params =
+        MaterialParams { transmission: 1.0, thin: false, dispersion: 5.0, roughness: PerceptualRoughness(0.5), ..Default::default() };
+    let (wo, wi) = (direction(35.0, 0.4), -direction(22.0, 0.5));
+    let all = Bsdf::new(&params).f_cos(wo, wi).specular.0;
+    for channel in 0..3 {
+        let one = Bsdf::new(&params.for_channel(channel)).f_cos(wo, wi).specular.0;
+        assert!((one[channel] / all[channel] - 1.0).abs() < 1e-4, "channel {channel}: {all} {one}");
+    }
+    assert!((all.x / all.z - 1.0).abs() > 0.05, "the channels differ: {all}");
 }
 
 #[test]

@@ -206,6 +206,14 @@ mod tests {
     }
 
     #[test]
+    fn cosine_hemisphere_never_meets_the_horizon() {
+        for u in [Vec2::ZERO, Vec2::new(0.0, 0.3), Vec2::new(0.7, 0.0), Vec2::new(0.999_999_94, 0.5)] {
+            let d = cosine_hemisphere(u);
+            assert!(cosine_hemisphere_pdf(d) > 0.0 && (d.length() - 1.0).abs() < 1e-6, "{u}: {d}");
+        }
+    }
+
+    #[test]
     fn rotated_domains_agree_with_the_frame() {
         let mut rng = Rng::new(12);
         for _ in 0..100 {

@@ -117,7 +117,9 @@ pub fn ggx_sample_vndf(alpha: Vec2, wo: Vec3, u: Vec2) -> Vec3 {
 
 /// Factor k in [0, 1] by which the cap of [`ggx_sample_vndf`] shrinks when only reflections above the surface count.
 ///
-///     k = (1 − a²) s² / (s² + a² z²),    a = min(α_x, α_y), s = 1 + √(1 − z²), z = wo.z            [Eto23] eq. 5
+/// ```text
+/// k = (1 − a²) s² / (s² + a² z²),    a = min(α_x, α_y), s = 1 + √(1 − z²), z = wo.z            [Eto23]
+/// ```
 #[inline]
 pub fn ggx_cap_bound(alpha: Vec2, wo: Vec3) -> f32 {
     let a = alpha.min_element().min(1.0);
@@ -139,7 +141,7 @@ pub fn ggx_sample_reflection(alpha: Vec2, wo: Vec3, u: Vec2) -> Vec3 {
     Vec3::new(alpha.x * h.x, alpha.y * h.y, h.z.max(1e-20)).normalize()
 }
 
-/// Density of the direction mirrored at a normal of [`ggx_sample_reflection`]: D(m) / (2 (k wo.z + |stretched wo|)).    [Eto23] eq. 8
+/// Density of the direction mirrored at a normal of [`ggx_sample_reflection`]: D(m) / (2 (k wo.z + |stretched wo|)).    [Eto23]
 #[inline]
 pub fn ggx_reflection_pdf(alpha: Vec2, wo: Vec3, m: Vec3) -> f32 {
     0.5 * ggx_d_aniso(alpha, m) / (ggx_cap_bound(alpha, wo) * wo.z + stretched_length(alpha, wo)).max(f32::MIN_POSITIVE)

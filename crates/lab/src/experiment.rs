@@ -42,7 +42,8 @@ pub fn compare(options: &CompareOptions, progress: &dyn Progress) -> Result<Repo
         warnings: warnings(options, &device),
         ..Report::default()
     };
-    let mut experiment = Experiment { options, plan, device, pool, progress, staging, report, pictures: Pictures::default() };
+    let mut experiment =
+        Experiment { options, plan, device, pool, progress, staging, report, pictures: Pictures::default(), nothing_judged: Vec::new() };
     for index in 0..options.scenes.len() {
         if !experiment.scene(index)? {
             experiment.report.complete = false;
@@ -52,6 +53,10 @@ pub fn compare(options: &CompareOptions, progress: &dyn Progress) -> Result<Repo
     if experiment.report.runs.iter().all(|run| !run.is_ok()) && !experiment.report.complete {
         return Err(LabError::Interrupted);
     }
+    if experiment.report.references.is_empty() {
+        return Err(LabError::Nothing { reason: experiment.nothing_judged.join("; ") });
+    }
+    experiment.report.warnings.extend(experiment.nothing_judged.iter().map(|text| format!("{text}.")));
     experiment.finish()
 }
 
@@ -109,6 +114,8 @@ struct Experiment<'a> {
     staging: Staging,
     report: Report,
     pictures: Pictures,
+    /// Scenes and roles that the path tracer has no image for.
+    nothing_judged: Vec<String>,
 }
 
 impl Experiment<'_> {
@@ -133,7 +140,11 @@ impl Experiment<'_> {
         let mut done = 0;
         for (role, choices) in self.plan.clone() {
             let Some(judge) = references.judges.get(role.id()) else {
-                self.report.warnings.push(format!("{} has no light that {} could be judged by.", subject.name, role.id()));
+                self.nothing_judged.push(format!(
+                    "{} has no point, spot, directional or area light to judge {} by",
+                    subject.name,
+                    role.id()
+                ));
                 continue;
             };
             let slug = self.reference(&subject, role, judge, &references)?;

@@ -45,8 +45,8 @@ const RECIPES: [Recipe; 5] = [
     Recipe { role: "light-sampling", kind: Kind::Light, images: |_| vec![Aov::Direct], composed: None, indirect: false },
 ];
 
-/// Most lights whose visibility is judged, each by an image of its own: the film must fit in memory.
-pub const MAX_LIGHTS: usize = 32;
+/// Most lights whose visibility is judged, each by an image of its own: film and takes of all of them must fit in memory.
+pub const MAX_LIGHTS: usize = 12;
 
 /// Those of the analytic lights, in the snapshot's order: emissive meshes are no lights of the real-time renderer.
 fn visibilities(tracer: &Tracer) -> Vec<Aov> {
@@ -84,6 +84,9 @@ pub fn references(
     share: &(dyn Fn(f64) -> f64 + Sync),
 ) -> Result<Option<References>, LabError> {
     let recipes: Vec<Recipe> = RECIPES.into_iter().filter(|r| roles.contains(&r.role) && !(r.images)(tracer).is_empty()).collect();
+    if recipes.is_empty() {
+        return Ok(Some(References { judges: BTreeMap::new(), spp: 0, seconds: 0.0, rays: 0, invalid_samples: 0 }));
+    }
     let mut aovs: Vec<Aov> = recipes.iter().flat_map(|r| (r.images)(tracer).into_iter().chain(r.composed.clone())).collect();
     if recipes.iter().any(|r| r.composed.is_some()) {
         aovs.extend(simulated_direct(tracer));

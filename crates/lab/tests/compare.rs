@@ -80,6 +80,17 @@ fn an_interruption_keeps_what_is_finished() {
     assert!(std::fs::read_to_string(folder.path().join("index.html")).unwrap().contains("Interrupted."));
 }
 
+/// A scene lit by its sky alone has no shadow of a light.
+#[test]
+fn a_scene_without_lights_is_told_and_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let target = folder.path().join("report");
+    let options = CompareOptions { scenes: vec!["builtin:furnace".into()], ..options(&target, &["shadow/none"]) };
+    let error = compare(&options, &Unwatched).unwrap_err().to_string();
+    assert!(error.contains("builtin:furnace has no point, spot, directional or area light"), "{error}");
+    assert!(!target.exists());
+}
+
 #[test]
 fn the_reference_and_the_errors_repeat_exactly() {
     let folder = tempfile::tempdir().unwrap();

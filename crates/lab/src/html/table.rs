@@ -1,105 +1,90 @@
 //! All numbers of all runs, sortable by any column.
 
 use super::format::{NONE, bytes, count, number, percent};
-use crate::report::{Decision, Report, Run};
+use crate::report::{Decision, Report, Run, short};
 use maud::{Markup, html};
 
-/// A column: heading, what it means, text and the value it sorts by.
+/// A column; left out when no run has a value.
 struct Column {
     heading: &'static str,
     help: &'static str,
-    cell: fn(&Run) -> (String, Option<f64>),
-    /// Left out when no run has a value.
-    optional: bool,
+    /// What it sorts by.
+    value: fn(&Run) -> Option<f64>,
+    text: fn(f64) -> String,
 }
 
-/// A column of plain numbers.
-macro_rules! numbers {
-    ($heading:literal, $help:literal, $value:expr, $format:expr, $optional:literal) => {
-        Column {
-            heading: $heading,
-            help: $help,
-            cell: |run| {
-                let value: Option<f64> = ($value)(run);
-                (($format)(value), value)
-            },
-            optional: $optional,
-        }
-    };
+const fn column(heading: &'static str, help: &'static str, value: fn(&Run) -> Option<f64>, text: fn(f64) -> String) -> Column {
+    Column { heading, help, value, text }
 }
 
 const COLUMNS: [Column; 19] = [
-    numbers!("GPU ms", "median time of the technique's passes on the device", |r: &Run| r.cost.as_ref()?.gpu_ms, number, false),
-    numbers!("p95", "95th percentile of the same, ms", |r: &Run| r.cost.as_ref()?.gpu_ms_p95, number, false),
-    numbers!("RMSE", "root mean square error against the reference", |r: &Run| Some(r.error.as_ref()?.image.rmse), number, false),
-    numbers!("bias", "what averaging frames would not remove, RMS", |r: &Run| r.error.as_ref()?.bias, number, true),
-    numbers!("noise", "what averaging frames would remove, RMS", |r: &Run| r.error.as_ref()?.noise, number, true),
-    Column { heading: "verdict", help: "biased: more than the noise of seeds and reference explains", cell: verdict, optional: true },
-    numbers!("FLIP", "difference that a viewer sees, 0 to 1", |r: &Run| Some(r.error.as_ref()?.image.flip), number, false),
-    numbers!("HDR-FLIP", "the same over all exposures", |r: &Run| r.error.as_ref()?.image.flip_hdr, number, true),
-    numbers!("SSIM", "structural similarity, 1 is equal", |r: &Run| r.error.as_ref()?.image.ssim, decimals, false),
-    Column { heading: "PSNR", help: "peak signal-to-noise ratio, dB", cell: psnr, optional: false },
-    numbers!("relMSE", "relative mean square error", |r: &Run| Some(r.error.as_ref()?.image.rel_mse), number, false),
-    numbers!("mean", "mean of the image over mean of the reference", |r: &Run| r.error.as_ref()?.image.mean_ratio, decimals, false),
-    numbers!(
-        "off border",
-        "pixels in the wrong light, away from shadow borders",
-        |r: &Run| r.error.as_ref()?.off_border_mismatch,
-        percent,
-        true
-    ),
-    numbers!("border px", "mean distance between the shadow borders, px", |r: &Run| r.error.as_ref()?.border_px, number, true),
-    numbers!(
-        "composed",
-        "RMSE of the composed picture against the path tracer's",
-        |r: &Run| Some(r.error.as_ref()?.composed.as_ref()?.image.rmse),
-        number,
-        true
-    ),
-    numbers!(
+    column("GPU ms", "median time of the technique's passes on the device", |r| r.cost.as_ref()?.gpu_ms, short),
+    column("p95", "95th percentile of the same, ms", |r| r.cost.as_ref()?.gpu_ms_p95, short),
+    column("RMSE", "root mean square error against the reference", |r| Some(r.error.as_ref()?.image.rmse), short),
+    column("bias", "what averaging frames would not remove, RMS", |r| r.error.as_ref()?.bias, short),
+    column("noise", "what averaging frames would remove, RMS", |r| r.error.as_ref()?.noise, short),
+    column("verdict", "biased: more than the noise of seeds and reference explains", is_biased, verdict),
+    column("FLIP", "difference that a viewer sees, 0 to 1", |r| Some(r.error.as_ref()?.image.flip), short),
+    column("HDR-FLIP", "the same over all exposures", |r| r.error.as_ref()?.image.flip_hdr, short),
+    column("SSIM", "structural similarity, 1 is equal", |r| r.error.as_ref()?.image.ssim, decimals),
+    column("PSNR", "peak signal-to-noise ratio, dB", psnr, decibels),
+    column("relMSE", "relative mean square error", |r| Some(r.error.as_ref()?.image.rel_mse), short),
+    column("mean", "mean of the image over mean of the reference", |r| r.error.as_ref()?.image.mean_ratio, decimals),
+    column("off border", "pixels in the wrong light, away from shadow borders", |r| r.error.as_ref()?.off_border_mismatch, share),
+    column("border px", "mean distance between the shadow borders, px", |r| r.error.as_ref()?.border_px, short),
+    column("composed", "RMSE of the composed picture against the path tracer's", composed, short),
+    column(
         "approx.",
         "the part of composed that the technique can be blamed for, RMSE; the rest is light that is not simulated",
-        |r: &Run| r.error.as_ref()?.composed.as_ref()?.approximation_rmse,
-        number,
-        true
+        |r| r.error.as_ref()?.composed.as_ref()?.approximation_rmse,
+        short,
     ),
-    numbers!("frame ms", "median wall-clock time of a whole frame", |r: &Run| Some(r.cost.as_ref()?.cpu_ms), number, false),
-    Column { heading: "memory", help: "what the technique keeps on the device", cell: memory, optional: false },
-    Column { heading: "rays", help: "rays traced in a frame", cell: rays, optional: true },
+    column("frame ms", "median wall-clock time of a whole frame", |r| Some(r.cost.as_ref()?.cpu_ms), short),
+    column("memory", "what the technique keeps on the device", |r| Some(r.cost.as_ref()?.memory_bytes as f64), |v| bytes(v as u64)),
+    column("rays", "rays traced in a frame", rays, |v| count(v as u64)),
 ];
 
-fn decimals(value: Option<f64>) -> String {
-    value.map_or_else(|| NONE.into(), |v| format!("{v:.4}"))
+fn decimals(value: f64) -> String {
+    format!("{value:.4}")
 }
 
-fn verdict(run: &Run) -> (String, Option<f64>) {
-    let label = run.error.as_ref().and_then(|e| e.label);
-    (label.unwrap_or(NONE).into(), label.map(|l| f64::from(u8::from(l == "biased"))))
+fn share(value: f64) -> String {
+    percent(Some(value))
 }
 
-/// An infinite PSNR sorts above all others.
-fn psnr(run: &Run) -> (String, Option<f64>) {
-    match run.error.as_ref().map(|e| e.image.psnr) {
-        Some(Some(db)) => (format!("{db:.1}"), Some(db)),
-        Some(None) => ("∞".into(), Some(1e9)),
-        None => (NONE.into(), None),
-    }
+fn composed(run: &Run) -> Option<f64> {
+    Some(run.error.as_ref()?.composed.as_ref()?.image.rmse)
 }
 
-fn memory(run: &Run) -> (String, Option<f64>) {
-    let value = run.cost.as_ref().map(|c| c.memory_bytes);
-    (value.map_or_else(|| NONE.into(), bytes), value.map(|v| v as f64))
+fn rays(run: &Run) -> Option<f64> {
+    Some(run.cost.as_ref()?.rays as f64).filter(|&rays| rays > 0.0)
 }
 
-fn rays(run: &Run) -> (String, Option<f64>) {
-    let value = run.cost.as_ref().map(|c| c.rays).filter(|&rays| rays > 0);
-    (value.map_or_else(|| NONE.into(), count), value.map(|v| v as f64))
+fn is_biased(run: &Run) -> Option<f64> {
+    run.error.as_ref()?.label.map(|label| f64::from(u8::from(label == "biased")))
+}
+
+fn verdict(biased: f64) -> String {
+    if biased > 0.0 { "biased".into() } else { "unbiased".into() }
+}
+
+/// Infinite for equal pictures.
+fn psnr(run: &Run) -> Option<f64> {
+    Some(run.error.as_ref()?.image.psnr.unwrap_or(f64::INFINITY))
+}
+
+fn decibels(value: f64) -> String {
+    if value.is_finite() { format!("{value:.1}") } else { "∞".into() }
+}
+
+/// A number as the script reads it.
+fn sort_key(value: f64) -> String {
+    if value.is_finite() { value.to_string() } else { "Infinity".into() }
 }
 
 /// The table of one scene and role.
 pub fn runs(report: &Report, decision: Option<&Decision>, runs: &[usize], section: usize) -> Markup {
-    let columns: Vec<&Column> =
-        COLUMNS.iter().filter(|c| !c.optional || runs.iter().any(|&i| (c.cell)(&report.runs[i]).1.is_some())).collect();
+    let columns: Vec<&Column> = COLUMNS.iter().filter(|c| runs.iter().any(|&i| (c.value)(&report.runs[i]).is_some())).collect();
     let caption = format!("table-caption-{section}");
     html! {
         div.scroll tabindex="0" role="region" aria-labelledby=(caption) {
@@ -136,8 +121,10 @@ fn row(run: &Run, index: usize, number: usize, decision: Option<&Decision>, colu
             }
             @if run.is_ok() {
                 @for column in columns {
-                    @let (text, value) = (column.cell)(run);
-                    td data-v=[value] { (text) }
+                    @match (column.value)(run) {
+                        Some(value) => { td data-v=(sort_key(value)) { ((column.text)(value)) } }
+                        None => { td { (NONE) } }
+                    }
                 }
             } @else {
                 td.reason colspan=(columns.len()) { (run.status) }

@@ -138,7 +138,7 @@ fn judges(tracer: &Tracer, recipes: &[Recipe], frame: &Frame) -> BTreeMap<&'stat
     let simulated = lit.filter(|images| !images.is_empty()).map(|images| sum(&images));
     let judge = |recipe: &Recipe| Judge {
         parts: (recipe.images)(tracer).iter().map(part).collect(),
-        mask: coverage.as_ref().filter(|_| recipe.kind != Kind::Light).map(|c| mask(c)),
+        mask: coverage.as_ref().filter(|_| recipe.kind != Kind::Light).map(mask),
         kind: recipe.kind,
         composed: recipe.composed.as_ref().map(|aov| Composed { part: part(aov), simulated: simulated.clone() }),
     };

@@ -19,7 +19,7 @@ pub use error::Error;
 pub use frame::{Coverage, Draw, FrameContext, MakeContext, TraceBackend};
 pub use needs::Needs;
 pub use role::Role;
-pub use technique::{Effect, Technique};
+pub use technique::{Effect, Make, Technique};
 pub use view::View;
 
 use kajo_params::ParamValues;

@@ -4,6 +4,9 @@ use crate::{Error, FrameContext, MakeContext, Needs, Role};
 use kajo_params::{ParamSpec, ParamValues};
 use kajo_render_graph::{Device, Graph, Slot};
 
+/// Makes a technique for one scene, with checked parameters.
+pub type Make = fn(&MakeContext, &ParamValues) -> Result<Box<dyn Effect>, Error>;
+
 /// A technique: what it is, and how it is made.
 #[derive(Clone, Copy, Debug)]
 pub struct Technique {
@@ -24,7 +27,7 @@ pub struct Technique {
     /// Its parameters.
     pub params: &'static [ParamSpec],
     /// Makes it for one scene.
-    pub make: fn(&MakeContext, &ParamValues) -> Result<Box<dyn Effect>, Error>,
+    pub make: Make,
 }
 
 impl Technique {

@@ -37,7 +37,7 @@ fn an_exact_technique_has_no_error_anywhere() {
 #[test]
 fn planted_swap_of_lights_is_found() {
     let swapped = Take { parts: vec![shadow(40.0), shadow(20.0)], composed: None };
-    let e = evaluate(&judge(), &[swapped.clone()], "swapped").unwrap();
+    let e = evaluate(&judge(), std::slice::from_ref(&swapped), "swapped").unwrap();
     assert!(e.error.image.rmse > 0.4 && e.error.off_border_mismatch.unwrap() > 0.1, "{:?}", e.error);
     assert_eq!((e.error.bias, e.error.noise), (None, None), "one seed cannot be split");
     assert_eq!(e.error.lights.len(), 2);

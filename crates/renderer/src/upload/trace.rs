@@ -15,6 +15,7 @@ use std::sync::Arc;
 const STACK: u32 = 96;
 
 /// The scene as rays meet it.
+#[allow(clippy::large_enum_variant, reason = "a renderer has one")]
 pub(crate) enum TraceScene {
     /// Ray queries.
     RayQuery { tlas: wgpu::Tlas },

@@ -57,3 +57,14 @@ pub struct GBufferImages {
     /// Index of the material; `None` where nothing is seen.
     pub material: Image<Option<u32>>,
 }
+
+impl GBufferImages {
+    /// Where the point that pixel (x, y) shows was in the image one frame ago, px; `None` where nothing is seen, and where the point was
+    /// outside the image or behind the camera: there is no history for it.
+    pub fn reprojected(&self, x: u32, y: u32) -> Option<Vec2> {
+        (*self.instance.get(x, y))?;
+        let then = Vec2::new(x as f32, y as f32) + 0.5 - *self.motion.get(x, y);
+        let inside = then.cmpge(Vec2::ZERO).all() && then.cmplt(self.motion.size().as_vec2()).all();
+        inside.then_some(then)
+    }
+}

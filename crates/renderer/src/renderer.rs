@@ -3,7 +3,7 @@
 use crate::gpu::{GpuFrame, GpuLight};
 use crate::output::FrameOutput;
 use crate::passes::{
-    Setup, background::Background, direct::Direct, gbuffer::GBuffer, gbuffer::TARGETS, picture::Picture, transparent::Transparent,
+    Setup, background::Background, direct::Direct, gbuffer::GBuffer, gbuffer::TARGETS, picture::Picture, forward::Forward,
 };
 use crate::settings::{Choice, FrameSettings, RendererSettings, RoleSelection};
 use crate::upload::geometry::Geometry;
@@ -40,7 +40,7 @@ pub struct Renderer {
     background: Background,
     direct: Direct,
     picture: Picture,
-    transparent: Option<Transparent>,
+    forward: Option<Forward>,
     effects: Vec<(Choice, Box<dyn Effect>)>,
     pool: Pool,
 }
@@ -86,7 +86,7 @@ impl Renderer {
             background: Background::new(setup, scene.environment.as_ref())?,
             direct: Direct::new(setup, settings.light_samples)?,
             picture: Picture::new(setup)?,
-            transparent: if blendable { Some(Transparent::new(setup, settings.light_samples)?) } else { None },
+            forward: if blendable { Some(Forward::new(setup, settings.light_samples)?) } else { None },
             effects: Vec::new(),
             pool: Pool::new(settings.size, layers),
             geometry,
@@ -123,12 +123,18 @@ impl Renderer {
 
     /// What this renderer does not simulate in this scene.
     pub fn ignored(&self) -> Vec<Ignored> {
-        ignored::find(&self.scene, &self.current, self.settings.camera, self.transparent.is_some())
+        ignored::find(&self.scene, &self.current, self.settings.camera, self.forward.is_some())
     }
 
     /// Who traces rays.
     pub fn backend(&self) -> TraceBackend {
         self.backend
+    }
+
+    /// Length of the list of textures that shaders choose from.
+    #[cfg(test)]
+    pub(crate) fn texture_count(&self) -> u32 {
+        self.textures.count()
     }
 
     /// The camera of the frame.
@@ -180,14 +186,24 @@ impl Renderer {
             }
         }
 
+        if settings.forward
+            && let Some(forward) = &self.forward
+        {
+            let frame = self.context(view, settings, 0, 0);
+            let mut graph = Graph::new();
+            graph.import(&made_first());
+            forward.record_opaque(&frame, &mut graph);
+            timings.merge(&graph.execute(&device, &mut pool)?);
+        }
+
         let last = self.context(view, settings, 0, 0);
         let order = self.far_to_near(view);
         tone.prepare(&last)?;
         let mut graph = Graph::new();
         graph.import(&made_first());
         self.picture.record(&last, &mut graph);
-        if let (Some(transparent), false) = (&self.transparent, order.is_empty()) {
-            transparent.record(&last, &order, &mut graph);
+        if let (Some(forward), false) = (&self.forward, order.is_empty()) {
+            forward.record_blended(&last, &order, &mut graph);
         }
         tone.record(&last, &mut graph);
         timings.merge(&graph.execute(&device, &mut pool)?);
@@ -262,7 +278,7 @@ impl Renderer {
     }
 
     /// What techniques are given for the lights `start..start + count`.
-    fn context(&self, view: &View, settings: &FrameSettings, start: usize, count: usize) -> FrameContext<'_> {
+    pub(crate) fn context(&self, view: &View, settings: &FrameSettings, start: usize, count: usize) -> FrameContext<'_> {
         let shared = Bindings::new()
             .with("frame", &self.frame)
             .with("instances", &self.geometry.instances)

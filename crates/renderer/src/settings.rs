@@ -40,11 +40,13 @@ pub struct FrameSettings {
     pub exposure: Option<f32>,
     /// Reads the G-buffer back.
     pub gbuffer: bool,
+    /// Lights opaque surfaces as they are drawn, without shadows, instead of through the G-buffer: to check one way by the other.
+    pub forward: bool,
 }
 
 impl Default for FrameSettings {
     fn default() -> Self {
-        Self { index: 0, jitter: Vec2::ZERO, exposure: None, gbuffer: false }
+        Self { index: 0, jitter: Vec2::ZERO, exposure: None, gbuffer: false, forward: false }
     }
 }
 

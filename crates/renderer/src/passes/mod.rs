@@ -1,10 +1,10 @@
-//! The passes that every frame has, whatever the techniques: G-buffer, background, direct light, transparent surfaces, picture.
+//! The passes that every frame has, whatever the techniques: G-buffer, background, direct light, forward light, picture.
 
 pub(crate) mod background;
 pub(crate) mod direct;
+pub(crate) mod forward;
 pub(crate) mod gbuffer;
 pub(crate) mod picture;
-pub(crate) mod transparent;
 
 use kajo_render_graph::{Device, Shader, wgpu};
 use kajo_techniques::{TraceBackend, shaders};

@@ -1,0 +1,7 @@
+//! Whole frames, against the path tracer and against closed forms.
+
+mod gbuffer;
+mod lighting;
+mod scenes;
+mod shadows;
+mod tracing;

@@ -1,0 +1,185 @@
+//! Techniques of the role direct visibility against the path tracer's `visibility.<light>`.
+
+use super::scenes::*;
+use crate::{FrameSettings, RoleSelection};
+use glam::{Affine3A, Quat, UVec2, Vec3};
+use kajo_path_tracer::Aov;
+use kajo_render_graph::Device;
+use kajo_scene::{LightShape, Scene, builtin, shapes};
+use kajo_units::{Meters, Radians};
+
+/// Objects over a floor under one light.
+fn blocks(shape: LightShape, position: Vec3) -> Scene {
+    let mut scene = Scene::default();
+    place(&mut scene, shapes::floor(8.0, 8.0, 1.0), lambert(0.7), Affine3A::IDENTITY);
+    place(&mut scene, shapes::cuboid(Vec3::new(0.3, 0.5, 0.3)), lambert(0.5), Affine3A::from_translation(Vec3::new(-0.7, 0.5, 0.1)));
+    let turned = Affine3A::from_rotation_translation(Quat::from_rotation_y(0.6), Vec3::new(0.6, 0.9, -0.2));
+    place(&mut scene, shapes::cuboid(Vec3::new(0.5, 0.05, 0.3)), lambert(0.5), turned);
+    place(&mut scene, shapes::sphere(0.35, 48), lambert(0.5), Affine3A::from_translation(Vec3::new(0.2, 0.35, 0.9)));
+    light(&mut scene, shape, 1.0, position, -position);
+    camera(&mut scene, PERSPECTIVE, Vec3::new(1.0, 3.2, 4.2), Vec3::new(0.0, 0.3, 0.0));
+    scene
+}
+
+/// Row SH-08: hard shadows by maps of 2048² agree with the reference away from borders.
+#[test]
+fn shadow_maps_agree_with_rays_off_the_border() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(192, 144);
+    let spot = LightShape::Spot { inner: Radians(0.5), outer: Radians(0.75) };
+    let lights = [
+        ("spot", spot, Vec3::new(1.5, 4.0, 1.0)),
+        ("directional", LightShape::Directional { half_angle: Radians(0.0) }, Vec3::new(2.0, 3.0, 1.0)),
+        ("point", LightShape::Point, Vec3::new(-0.4, 2.2, 0.8)),
+    ];
+    for (name, shape, position) in lights {
+        let scene = blocks(shape, position);
+        let map = frame(&device, &scene, size, "shadow/map", &[("resolution", "2048"), ("kernel", "0")]);
+        let reference = reference(&scene, START, None, size, 1, vec![Aov::Visibility("*".into()), Aov::InstanceId]);
+        let rays = |x, y| reference.image("visibility.light 0").unwrap().pixels.get(x, y).x;
+        let instance = |x, y| reference.image("instance-id").unwrap().pixels.get(x, y).x;
+        let images = map.gbuffer.unwrap();
+        let pixels: Vec<UVec2> = off_border(&rays, size)
+            .into_iter()
+            .filter(|p| images.instance.get(p.x, p.y).map(|id| id as f32) == Some(instance(p.x, p.y)))
+            .filter(|p| {
+                let to_point = (*images.position.get(p.x, p.y) - position).normalize();
+                !matches!(shape, LightShape::Spot { .. }) || to_point.dot(-position.normalize()) > 0.75f32.cos()
+            })
+            .collect();
+        let wrong = pixels.iter().filter(|p| (map.visibility[0].get(p.x, p.y) - rays(p.x, p.y)).abs() > 0.5).count();
+        let share = 1.0 - wrong as f32 / pixels.len() as f32;
+        let shadowed = pixels.iter().filter(|p| rays(p.x, p.y) < 0.5).count();
+        assert!(pixels.len() > 10_000 && shadowed > 500, "{name}: {} pixels, {shadowed} in shadow", pixels.len());
+        assert!(share >= 0.995, "{name}: {share}, {wrong} pixels");
+    }
+}
+
+fn lit_plane(shape: LightShape, degrees: f32) -> Scene {
+    let mut scene = Scene::default();
+    place(&mut scene, shapes::floor(2.0, 2.0, 1.0), lambert(0.7), Affine3A::from_quat(Quat::from_rotation_y(0.3)));
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let to_light = Vec3::new(0.8 * sin, cos, 0.6 * sin);
+    light(&mut scene, shape, 1.0, to_light * 20.0, -to_light);
+    camera(&mut scene, PERSPECTIVE, Vec3::new(0.0, 1.6, 2.4), Vec3::ZERO);
+    scene
+}
+
+/// Row SH-08: no plane shadows itself, up to 85°, with and without filtering.
+#[test]
+fn a_lit_plane_has_no_acne_up_to_85_degrees() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(96, 72);
+    let acne = |shape, degrees, params: &[(&str, &str)]| {
+        let out = frame(&device, &lit_plane(shape, degrees), size, "shadow/map", params);
+        let images = out.gbuffer.unwrap();
+        let on_plane = (0..images.instance.pixels().len()).filter(|&i| images.instance.pixels()[i].is_some());
+        on_plane.filter(|&i| out.visibility[0].pixels()[i] < 1.0).count()
+    };
+    let spot = LightShape::Spot { inner: Radians(0.05), outer: Radians(0.2) };
+    let sun = LightShape::Directional { half_angle: Radians(0.0) };
+    for degrees in [0.0, 30.0, 60.0, 80.0, 85.0] {
+        for (name, shape) in [("sun", sun), ("spot", spot), ("point", LightShape::Point)] {
+            for kernel in ["0", "2"] {
+                let count = acne(shape, degrees, &[("resolution", "1024"), ("kernel", kernel)]);
+                assert_eq!(count, 0, "{name} at {degrees}°, kernel {kernel}");
+            }
+        }
+    }
+    let none = [("automatic_bias", "false"), ("constant_bias", "0"), ("slope_bias", "0"), ("resolution", "1024"), ("kernel", "0")];
+    assert!(acne(sun, 80.0, &none) > 50, "without bias the plane shadows itself, and the test sees it");
+}
+
+/// Row SH-17: the mean of many frames is the reference within its noise, for every kind of light, on both backends.
+#[test]
+fn ray_traced_visibility_is_unbiased() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(40, 30);
+    let position = Vec3::new(1.5, 3.0, 1.0);
+    let shapes = [
+        LightShape::Point,
+        LightShape::Spot { inner: Radians(0.5), outer: Radians(0.9) },
+        LightShape::Directional { half_angle: Radians(0.06) },
+        LightShape::Rectangle { width: Meters(1.0), height: Meters(0.6) },
+        LightShape::Disk { radius: Meters(0.5) },
+        LightShape::Sphere { radius: Meters(0.5) },
+    ];
+    let backends: Vec<_> = [kajo_techniques::TraceBackend::RayQuery, kajo_techniques::TraceBackend::Compute]
+        .into_iter()
+        .filter(|backend| *backend == kajo_techniques::TraceBackend::Compute || device.has_ray_query())
+        .collect();
+    for shape in shapes {
+        let scene = blocks(shape, position);
+        let (frames, spp) = (24u32, 256u32);
+        let reference = reference(&scene, START, None, size, spp, vec![Aov::Visibility("*".into())]);
+        let truth = &reference.image("visibility.light 0").unwrap().pixels;
+        for &backend in &backends {
+            let mut renderer = renderer(&device, &scene, size, Some(backend));
+            let roles = RoleSelection::new().choose("shadow/ray-traced", &[("samples", "2")]).unwrap();
+            let mut sums = vec![[0.0f64; 2]; (size.x * size.y) as usize];
+            for index in 0..frames {
+                let out = renderer.render(&roles, &FrameSettings { index, ..Default::default() }).unwrap();
+                for (sum, v) in sums.iter_mut().zip(out.visibility[0].pixels()) {
+                    sum[0] += f64::from(*v);
+                    sum[1] += f64::from(v * v);
+                }
+            }
+            // Blocks of 5 × 5 pixels: z of the difference of means, with the variance of both sides bounded by V (1 − V).
+            let n = f64::from(frames);
+            let (mut beyond, mut blocks, mut total, mut total_variance) = (0, 0, 0.0, 0.0);
+            for (bx, by) in (0..size.y / 5).flat_map(|y| (0..size.x / 5).map(move |x| (x * 5, y * 5))) {
+                let (mut difference, mut variance) = (0.0, 1e-7);
+                for (x, y) in (by..by + 5).flat_map(|y| (bx..bx + 5).map(move |x| (x, y))) {
+                    let [sum, square] = sums[(y * size.x + x) as usize];
+                    let v = f64::from(truth.get(x, y).x);
+                    difference += sum / n - v;
+                    variance += (square / n - (sum / n).powi(2)).max(0.0) / (n - 1.0) + v * (1.0 - v) / f64::from(spp);
+                }
+                blocks += 1;
+                beyond += u32::from(difference.abs() > 3.0 * variance.sqrt() + 0.02 * 25.0);
+                total += difference;
+                total_variance += variance;
+            }
+            assert!(beyond <= blocks / 50, "{shape:?} {}: {beyond} of {blocks} blocks beyond 3 σ", backend.id());
+            let z = total / total_variance.sqrt().max(0.5);
+            assert!(z.abs() <= 3.0, "{shape:?} {}: z = {z}, difference {total}", backend.id());
+        }
+    }
+}
+
+/// More samples, less noise; and the technique says how many rays it traced.
+#[test]
+fn noise_falls_and_rays_are_counted() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(64, 36);
+    let scene = builtin::load("penumbra").unwrap();
+    let truth = frame(&device, &scene, size, "shadow/ray-traced", &[("samples", "1024")]);
+    let error = |samples: &str| {
+        let out = frame(&device, &scene, size, "shadow/ray-traced", &[("samples", samples)]);
+        let pairs = out.visibility[0].pixels().iter().zip(truth.visibility[0].pixels());
+        (pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f32>().sqrt(), out.rays)
+    };
+    let ((one, one_rays), (sixteen, sixteen_rays)) = (error("1"), error("16"));
+    assert!(sixteen < 0.4 * one, "{one} -> {sixteen}");
+    assert!(one_rays > 1000 && sixteen_rays > 14 * one_rays && sixteen_rays < 18 * one_rays, "{one_rays}, {sixteen_rays}");
+}
+
+/// Lights beyond one group are worked on in groups: the same picture.
+#[test]
+fn groups_of_lights_give_the_same_picture() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(32, 18);
+    let scene = builtin::load("many-lights:20").unwrap();
+    let snapshot = kajo_scene::Snapshot::new(&scene, START);
+    let roles = RoleSelection::new();
+    let render = |light_memory| {
+        let settings = crate::RendererSettings { light_memory, ..crate::RendererSettings::new(size) };
+        crate::Renderer::new(&device, &scene, &snapshot, settings).unwrap().render(&roles, &FrameSettings::default()).unwrap()
+    };
+    let (whole, parts) = (render(1 << 30), render(u64::from(size.x * size.y) * 4 * 3));
+    assert_eq!(whole.visibility.len(), snapshot.lights.len());
+    assert!(snapshot.lights.len() > 3 && whole.visibility == parts.visibility);
+    let worst = whole.color.pixels().iter().zip(parts.color.pixels()).map(|(a, b)| (a.0 - b.0).abs().max_element() / (1.0 + a.max_component()));
+    assert!(worst.fold(0.0, f32::max) < 1e-4);
+    assert!(whole.direct.pixels().iter().any(|c| c.luminance() > 0.0));
+}

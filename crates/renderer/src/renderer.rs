@@ -3,7 +3,7 @@
 use crate::gpu::{GpuFrame, GpuLight};
 use crate::output::FrameOutput;
 use crate::passes::{
-    Setup, background::Background, direct::Direct, gbuffer::GBuffer, gbuffer::TARGETS, picture::Picture, forward::Forward,
+    Setup, background::Background, direct::Direct, forward::Forward, gbuffer::GBuffer, gbuffer::TARGETS, picture::Picture,
 };
 use crate::settings::{Choice, FrameSettings, RendererSettings, RoleSelection};
 use crate::upload::geometry::Geometry;

@@ -22,7 +22,8 @@ const OVER: wgpu::BlendState = wgpu::BlendState {
 pub(crate) struct Forward {
     blended: RenderPipeline,
     opaque: RenderPipeline,
-    params: Buffer,
+    blended_params: Buffer,
+    opaque_params: Buffer,
 }
 
 impl Forward {
@@ -44,7 +45,8 @@ impl Forward {
         Ok(Self {
             blended: pipeline(Some(OVER), slot::COLOR, wgpu::CompareFunction::Greater)?,
             opaque: pipeline(None, slot::DIRECT, wgpu::CompareFunction::Equal)?,
-            params: setup.device.buffer_with("forward", &[samples, 0, 0, 0], BufferUsages::UNIFORM)?,
+            blended_params: setup.device.buffer_with("forward", &[samples, 1, 0, 0], BufferUsages::UNIFORM)?,
+            opaque_params: setup.device.buffer_with("forward", &[samples, 0, 0, 0], BufferUsages::UNIFORM)?,
         })
     }
 
@@ -53,18 +55,25 @@ impl Forward {
         graph.pass(Access::new("forward/opaque").reads(&[slot::DEPTH]).updates(&[slot::DIRECT]), move |pass| {
             let all = |draw: usize| frame.draws[draw].coverage == Coverage::Opaque;
             let draws: Vec<usize> = (0..frame.draws.len()).filter(|&draw| all(draw)).collect();
-            self.draw(frame, pass, &self.opaque, slot::DIRECT, &draws)
+            self.draw(frame, pass, (&self.opaque, &self.opaque_params), slot::DIRECT, &draws)
         });
     }
 
     /// `order`: indices of the blended draws, farthest first.
     pub fn record_blended<'a>(&'a self, frame: &'a FrameContext<'a>, order: &'a [usize], graph: &mut Graph<'a>) {
         graph.pass(Access::new("forward/blended").reads(&[slot::DEPTH]).updates(&[slot::COLOR]), move |pass| {
-            self.draw(frame, pass, &self.blended, slot::COLOR, order)
+            self.draw(frame, pass, (&self.blended, &self.blended_params), slot::COLOR, order)
         });
     }
 
-    fn draw(&self, frame: &FrameContext, pass: &mut PassContext, pipeline: &RenderPipeline, target: Slot, draws: &[usize]) -> Result<(), Error> {
+    fn draw(
+        &self,
+        frame: &FrameContext,
+        pass: &mut PassContext,
+        (pipeline, params): (&RenderPipeline, &Buffer),
+        target: Slot,
+        draws: &[usize],
+    ) -> Result<(), Error> {
         let (target, depth) = (pass.view(target)?, pass.view(slot::DEPTH)?);
         let mut render = pass.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("forward"),
@@ -76,7 +85,7 @@ impl Forward {
             }),
             ..Default::default()
         });
-        pipeline.set(pass.device, &mut render, &frame.shared, &Bindings::new().with("params", &self.params))?;
+        pipeline.set(pass.device, &mut render, &frame.shared, &Bindings::new().with("params", params))?;
         for &index in draws {
             frame.draw(&mut render, |draw| std::ptr::eq(draw, &frame.draws[index]));
         }

@@ -8,18 +8,11 @@ use kajo_render_graph::Device;
 use kajo_scene::{Scene, Snapshot, builtin};
 use kajo_units::Seconds;
 
-const SIZE: UVec2 = UVec2::new(160, 90);
+/// One side even, one odd: the edges of a room seen along its axis then do not run through pixel centres.
+const SIZE: UVec2 = UVec2::new(164, 89);
 
-const AOVS: [Aov; 8] = [
-    Aov::Position,
-    Aov::Depth,
-    Aov::Normal,
-    Aov::ShadingNormal,
-    Aov::Albedo,
-    Aov::InstanceId,
-    Aov::MaterialId,
-    Aov::Motion,
-];
+const AOVS: [Aov; 8] =
+    [Aov::Position, Aov::Depth, Aov::Normal, Aov::ShadingNormal, Aov::Albedo, Aov::InstanceId, Aov::MaterialId, Aov::Motion];
 
 fn gbuffer(device: &Device, scene: &Scene, now: Seconds, before: Seconds, size: UVec2) -> (GBufferImages, Renderer) {
     let (current, previous) = (Snapshot::new(scene, now), Snapshot::new(scene, before));

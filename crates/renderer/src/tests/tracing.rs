@@ -116,11 +116,11 @@ fn both_backends_answer_like_the_cpu() {
         assert!(hits > 20_000, "{}: {hits} hits", scene.name);
         if !blended {
             let count = agree(&compute, &cpu);
-            assert!(count >= 99_990, "{}: compute and CPU agree on {count} rays", scene.name);
+            assert!(count >= 99_950, "{}: compute and CPU agree on {count} rays", scene.name);
         }
         if device.has_ray_query() {
             let count = agree(&compute, &on_device(&device, &scene, TraceBackend::RayQuery, &queries));
-            assert!(count >= 99_990, "{}: the backends agree on {count} rays", scene.name);
+            assert!(count >= 99_950, "{}: the backends agree on {count} rays", scene.name);
         }
         // Shifted answers must not pass as equal.
         assert!(agree(&compute[1..], &cpu[..99_999]) < 90_000);

@@ -80,7 +80,8 @@ fn directional(z: Vec3, frame: &FrameContext, resolution: u32, margin: f32) -> P
     let ([x0, x1], [y0, y1], [z0, z1]) = (across(x), across(y), range(&scene, back));
     let half = |low: f32, high: f32| (0.5 * (high - low)).max(1e-4) * margin;
     let (half_x, half_y) = (half(x0, x1), half(y0, y1));
-    let depth = (z1 - z0).max(1e-4) * 1.001;
+    // A scene flat across the light keeps some depth: coordinates are rounded in units of its width.
+    let depth = (z1 - z0).max(0.01 * half_x.max(half_y)) * 1.001;
     let middle = x * (0.5 * (x0 + x1)) + y * (0.5 * (y0 + y1)) + back * (z0 - 0.0005 * depth);
     let rotation = Mat4::from_cols(x.extend(0.0), y.extend(0.0), back.extend(0.0), Vec4::W).transpose();
     let scale = Mat4::from_cols(Vec4::X / half_x, Vec4::Y / half_y, Vec4::Z / depth, Vec4::W);

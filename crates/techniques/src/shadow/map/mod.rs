@@ -44,7 +44,7 @@ pub struct Params {
     /// Shift towards the light, in texels, times the tangent of the angle of incidence.
     #[param(default = 1.5, range = 0.0..=32.0)]
     pub slope_bias: f32,
-    /// Shift along the normal, in texels, times the sine of the angle of incidence.
+    /// Shift along the normal, in texels, times the sine of the angle between the normal and the axis of the map.
     #[param(default = 0.0, range = 0.0..=32.0)]
     pub normal_offset: f32,
 }
@@ -127,7 +127,7 @@ impl ShadowMap {
 
     fn gpu_map(&self, frame: &FrameContext, layer: usize, projection: &Projection) -> GpuMap {
         let p = &self.params;
-        let automatic = std::f32::consts::SQRT_2 * (p.kernel as f32 + 1.0);
+        let automatic = std::f32::consts::SQRT_2 * (p.kernel as f32 + 1.25);
         let (constant_bias, slope_bias, normal_offset) =
             if p.automatic_bias { (0.0, 0.0, automatic) } else { (p.constant_bias.0, p.slope_bias, p.normal_offset) };
         let mut clip_from_relative = [[[0.0; 4]; 4]; 6];

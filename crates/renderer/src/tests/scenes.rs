@@ -40,7 +40,7 @@ pub fn camera(scene: &mut Scene, projection: Projection, eye: Vec3, target: Vec3
     scene.cameras.push(Camera { name: String::new(), projection, lens_radius: Meters(0.0), focus_distance, near });
     let forward = (target - eye).normalize();
     let up = if forward.y.abs() > 0.9 { Vec3::NEG_Z } else { Vec3::Y };
-    let transform = Transform::Matrix(Mat4::look_at_rh(eye, target, up).inverse());
+    let transform = Transform::Matrix(glam::camera::rh::view::look_at_mat4(eye, target, up).inverse());
     scene.nodes.push(Node { transform, camera: Some(scene.cameras.len() - 1), ..Node::default() });
 }
 

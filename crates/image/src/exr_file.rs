@@ -4,7 +4,8 @@
 //! the naming that viewers (tev, Blender, djv, Nuke) group by. All channels are 32-bit float, so that ids up to 2²⁴, depths and variances
 //! are exact; [`Precision::Half`] stores colour in 16 bits. Compression is ZIP, which loses nothing.
 
-use crate::{Image, ImageError, check_size, write_atomic};
+use crate::limits::check_size_within;
+use crate::{Image, ImageError, MAX_PIXELS, check_size, write_atomic};
 use exr::prelude as x;
 use exr::prelude::{ReadChannels, ReadLayers, WritableImage};
 use glam::{IVec2, UVec2, Vec3};
@@ -163,6 +164,11 @@ impl ExrFile {
     /// # Errors
     /// Those of [`Self::read`].
     pub fn decode(path: &Path, bytes: &[u8]) -> Result<Self, ImageError> {
+        Self::decode_within(path, bytes, MAX_PIXELS)
+    }
+
+    /// [`Self::decode`] that refuses a part of more than `max_pixels`.
+    pub(crate) fn decode_within(path: &Path, bytes: &[u8], max_pixels: u64) -> Result<Self, ImageError> {
         let malformed = |e: exr::error::Error| ImageError::Malformed {
             path: path.to_path_buf(),
             format: "OpenEXR",
@@ -175,7 +181,7 @@ impl ExrFile {
         for header in &meta.headers {
             for size in [header.layer_size, header.shared_attributes.display_window.size] {
                 let side = |v: usize| u32::try_from(v).unwrap_or(u32::MAX);
-                check_size(UVec2::new(side(size.x()), side(size.y())))?;
+                check_size_within(UVec2::new(side(size.x()), side(size.y())), max_pixels)?;
             }
         }
         let image = x::read()

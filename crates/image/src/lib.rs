@@ -24,5 +24,5 @@ pub use format::{Written, write_image};
 pub use hdr::write_hdr;
 pub use limits::{MAX_PIXELS, MAX_SIDE, check_size};
 pub use png_file::{encode_png, write_png};
-pub use read::{decode_image, read_image};
+pub use read::{decode_image, decode_image_within, read_image};
 pub use tone_map::{ToneMap, tone_map};

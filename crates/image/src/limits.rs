@@ -11,8 +11,14 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 /// # Errors
 /// [`ImageError::Size`] for an empty image and for one over [`MAX_SIDE`] or [`MAX_PIXELS`].
 pub fn check_size(size: UVec2) -> Result<(), ImageError> {
-    let fits = size.min_element() > 0 && size.max_element() <= MAX_SIDE && u64::from(size.x) * u64::from(size.y) <= MAX_PIXELS;
-    if fits { Ok(()) } else { Err(ImageError::Size { size, max_side: MAX_SIDE, max_pixels: MAX_PIXELS }) }
+    check_size_within(size, MAX_PIXELS)
+}
+
+/// [`check_size`] with another limit on the pixels, at most [`MAX_PIXELS`].
+pub(crate) fn check_size_within(size: UVec2, max_pixels: u64) -> Result<(), ImageError> {
+    let max_pixels = max_pixels.min(MAX_PIXELS);
+    let fits = size.min_element() > 0 && size.max_element() <= MAX_SIDE && u64::from(size.x) * u64::from(size.y) <= max_pixels;
+    if fits { Ok(()) } else { Err(ImageError::Size { size, max_side: MAX_SIDE, max_pixels }) }
 }
 
 #[cfg(test)]

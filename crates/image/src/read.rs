@@ -1,6 +1,7 @@
 //! Any picture to linear RGB.
 
-use crate::{ExrFile, Image, ImageError, MAX_PIXELS, MAX_SIDE, check_size};
+use crate::limits::check_size_within;
+use crate::{ExrFile, Image, ImageError, MAX_PIXELS, MAX_SIDE};
 use glam::{UVec2, Vec3};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use kajo_units::{LinearRgb, linear_from_srgb};
@@ -24,8 +25,16 @@ pub fn read_image(path: &Path) -> Result<Image<LinearRgb>, ImageError> {
 /// # Errors
 /// Those of [`read_image`].
 pub fn decode_image(path: &Path, bytes: &[u8]) -> Result<Image<LinearRgb>, ImageError> {
+    decode_image_within(path, bytes, MAX_PIXELS)
+}
+
+/// [`decode_image`] that refuses more than `max_pixels`, at most [`MAX_PIXELS`]: a file of a few bytes can declare all of them.
+///
+/// # Errors
+/// Those of [`read_image`].
+pub fn decode_image_within(path: &Path, bytes: &[u8], max_pixels: u64) -> Result<Image<LinearRgb>, ImageError> {
     if ExrFile::recognises(bytes) {
-        return ExrFile::decode(path, bytes)?.into_color(path);
+        return ExrFile::decode_within(path, bytes, max_pixels)?.into_color(path);
     }
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().expect("reading from memory");
     let (format, name) = match reader.format() {
@@ -41,7 +50,7 @@ pub fn decode_image(path: &Path, bytes: &[u8]) -> Result<Image<LinearRgb>, Image
     let malformed = |e: image::ImageError| ImageError::Malformed { path: path.to_path_buf(), format: name, reason: e.to_string() };
     let decoder = reader.into_decoder().map_err(malformed)?;
     let (width, height) = decoder.dimensions();
-    check_size(UVec2::new(width, height))?;
+    check_size_within(UVec2::new(width, height), max_pixels)?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(malformed)?;
     Ok(to_linear(decoded))
 }
@@ -76,6 +85,25 @@ mod tests {
         let mut bytes = Cursor::new(Vec::new());
         image.write_to(&mut bytes, format).unwrap();
         bytes.into_inner()
+    }
+
+    #[test]
+    fn a_limit_on_pixels_holds_for_every_format() {
+        let picture = |format| {
+            let mut bytes = Cursor::new(Vec::new());
+            image::RgbImage::new(8, 4).write_to(&mut bytes, format).unwrap();
+            bytes.into_inner()
+        };
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.exr");
+        let mut exr = ExrFile::new(UVec2::new(8, 4));
+        exr.layers.push(crate::Layer::color("", &Image::from_fn(UVec2::new(8, 4), |_, _| LinearRgb::WHITE)));
+        exr.write(&path).unwrap();
+        for bytes in [picture(ImageFormat::Png), picture(ImageFormat::Jpeg), std::fs::read(&path).unwrap()] {
+            assert_eq!(decode_image_within(Path::new("a"), &bytes, 32).unwrap().size(), UVec2::new(8, 4));
+            let message = decode_image_within(Path::new("a"), &bytes, 31).unwrap_err().to_string();
+            assert!(message.contains("8x4") && message.contains("31 px"), "{message}");
+        }
     }
 
     #[test]

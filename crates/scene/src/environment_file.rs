@@ -1,13 +1,16 @@
 //! Environments from files.
 
-use crate::{Environment, Ignored, SceneError, Texels, TextureImage};
-use kajo_image::{ImageError, decode_image};
+use crate::{Environment, Ignored, ImportLimits, SceneError, Texels, TextureImage};
+use kajo_image::{ImageError, decode_image_within};
 use kajo_units::{LinearRgb, Radians};
 use std::path::Path;
 use std::sync::Arc;
 
 /// An environment, and what was replaced in its file.
 pub type LoadedEnvironment = (Environment, Vec<Ignored>);
+
+/// Memory of one pixel while a file becomes an environment: decoded, linear and as texels.
+const PEAK_BYTES_PER_PIXEL: u64 = 48;
 
 /// Loads a latitude-longitude environment from an HDR, EXR, PNG, JPEG or WebP file; the orientation stands in docs/conventions.md.
 ///
@@ -21,16 +24,16 @@ pub type LoadedEnvironment = (Environment, Vec<Ignored>);
 pub fn load_environment(path: &Path) -> Result<LoadedEnvironment, SceneError> {
     let file = path.display().to_string();
     let bytes = crate::files::read_file(path).map_err(|source| SceneError::Read { file, source })?;
-    decode_environment(path, &bytes)
+    decode_environment(path, &bytes, ImportLimits::default())
 }
 
-/// [`load_environment`] of bytes in memory; `path` only names them in messages.
+/// [`load_environment`] of bytes in memory, within `limits`; `path` only names them in messages.
 ///
 /// # Errors
 /// Those of [`load_environment`].
-pub fn decode_environment(path: &Path, bytes: &[u8]) -> Result<LoadedEnvironment, SceneError> {
+pub fn decode_environment(path: &Path, bytes: &[u8], limits: ImportLimits) -> Result<LoadedEnvironment, SceneError> {
     let file = path.display().to_string();
-    let image = decode_image(path, bytes).map_err(|error| match error {
+    let image = decode_image_within(path, bytes, limits.bytes / PEAK_BYTES_PER_PIXEL).map_err(|error| match error {
         ImageError::Read { reason, .. } => SceneError::Read { file: file.clone(), source: reason },
         other => SceneError::Image(other),
     })?;
@@ -93,7 +96,7 @@ mod tests {
     fn values_that_no_radiance_can_have_are_replaced_and_noted() {
         let values = [f32::NAN, -3.0, f32::INFINITY, 7.0];
         let bytes = exr(UVec2::new(4, 1), |x, _| LinearRgb::splat(values[x as usize]));
-        let (environment, ignored) = decode_environment(Path::new("bad.exr"), &bytes).unwrap();
+        let (environment, ignored) = decode_environment(Path::new("bad.exr"), &bytes, ImportLimits::default()).unwrap();
         let Texels::Rgba32F(texels) = &environment.image.as_ref().unwrap().texels else { panic!("floats") };
         assert_eq!(texels.iter().map(|t| t[0]).collect::<Vec<_>>(), [0.0, 0.0, 7.0, 7.0]);
         let features: Vec<_> = ignored.iter().map(|i| i.feature.as_str()).collect();
@@ -103,9 +106,23 @@ mod tests {
     #[test]
     fn a_clean_file_has_no_notes_and_a_hopeless_one_is_refused() {
         let clean = exr(UVec2::new(2, 1), |x, _| LinearRgb::splat(x as f32));
-        assert!(decode_environment(Path::new("a.exr"), &clean).unwrap().1.is_empty());
+        assert!(decode_environment(Path::new("a.exr"), &clean, ImportLimits::default()).unwrap().1.is_empty());
         let hopeless = exr(UVec2::new(2, 1), |_, _| LinearRgb::splat(f32::NAN));
-        assert!(decode_environment(Path::new("a.exr"), &hopeless).unwrap_err().to_string().contains("every value is NaN"));
+        assert!(
+            decode_environment(Path::new("a.exr"), &hopeless, ImportLimits::default())
+                .unwrap_err()
+                .to_string()
+                .contains("every value is NaN")
+        );
+    }
+
+    #[test]
+    fn limits_hold_before_memory_is_taken() {
+        let bytes = exr(UVec2::new(64, 32), |_, _| LinearRgb::WHITE);
+        let limits = |bytes| ImportLimits { bytes, ..ImportLimits::default() };
+        assert!(decode_environment(Path::new("a.exr"), &bytes, limits(64 * 32 * PEAK_BYTES_PER_PIXEL)).is_ok());
+        let refused = decode_environment(Path::new("a.exr"), &bytes, limits(64 * 32 * PEAK_BYTES_PER_PIXEL - 1));
+        assert!(refused.unwrap_err().to_string().contains("2047 px in all"));
     }
 
     #[test]
@@ -113,13 +130,14 @@ mod tests {
         let missing = load_environment(Path::new("/no/such/sky.hdr")).unwrap_err().to_string();
         assert!(missing.starts_with("cannot read `/no/such/sky.hdr`"), "{missing}");
         let size = |x: u32, y: u32| format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {y} +X {x}\n");
-        let huge = decode_environment(Path::new("huge.hdr"), size(100_000, 100_000).as_bytes()).unwrap_err().to_string();
+        let huge =
+            decode_environment(Path::new("huge.hdr"), size(100_000, 100_000).as_bytes(), ImportLimits::default()).unwrap_err().to_string();
         assert!(huge.contains("100000x100000") && huge.contains("65536"), "{huge}");
-        let empty = decode_environment(Path::new("empty.hdr"), size(0, 0).as_bytes()).unwrap_err().to_string();
+        let empty = decode_environment(Path::new("empty.hdr"), size(0, 0).as_bytes(), ImportLimits::default()).unwrap_err().to_string();
         assert!(empty.contains("0x0"), "{empty}");
-        let truncated = decode_environment(Path::new("cut.hdr"), size(64, 32).as_bytes()).unwrap_err().to_string();
+        let truncated = decode_environment(Path::new("cut.hdr"), size(64, 32).as_bytes(), ImportLimits::default()).unwrap_err().to_string();
         assert!(truncated.contains("cut.hdr"), "{truncated}");
-        let text = decode_environment(Path::new("notes.txt"), b"hello").unwrap_err().to_string();
+        let text = decode_environment(Path::new("notes.txt"), b"hello", ImportLimits::default()).unwrap_err().to_string();
         assert!(text.contains("unknown image format"), "{text}");
     }
 

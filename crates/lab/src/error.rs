@@ -27,6 +27,12 @@ pub enum LabError {
         /// Why, and what to do.
         reason: String,
     },
+    /// What was asked for is right and cannot be measured here.
+    #[error("nothing was compared: {reason}")]
+    NotMeasured {
+        /// Why.
+        reason: String,
+    },
     /// Interrupted before the first result.
     #[error("interrupted before the first result; nothing was written")]
     Interrupted,

@@ -40,7 +40,7 @@ pub fn evaluate(judge: &Judge, takes: &[Take], what: &str) -> Result<Evaluation,
     let named = |source: MetricsError| LabError::Metrics { what: what.to_owned(), source };
     let (reference, variance) = (judge.stacked(), judge.stacked_variance());
     let stacked: Vec<Image<LinearRgb>> = takes.iter().map(|take| judge.stacked_take(take)).collect();
-    let Some(first) = stacked.first() else { return Err(LabError::Nothing { reason: format!("{what} gave no image") }) };
+    let Some(first) = stacked.first() else { return Err(LabError::NotMeasured { reason: format!("{what} gave no image") }) };
     let options = ComparisonOptions {
         view: judge.view(),
         hdr: judge.kind == Kind::Light,

@@ -30,7 +30,7 @@ pub fn compare(options: &CompareOptions, progress: &dyn Progress) -> Result<Repo
     let staging = Staging::new(&options.output)?;
     let device = Device::new()?;
     let threads = options.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| LabError::Nothing { reason: e.to_string() })?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| LabError::NotMeasured { reason: e.to_string() })?;
     let report = Report {
         kajo: env!("CARGO_PKG_VERSION").into(),
         command: options.command(),
@@ -54,7 +54,7 @@ pub fn compare(options: &CompareOptions, progress: &dyn Progress) -> Result<Repo
         return Err(LabError::Interrupted);
     }
     if experiment.report.references.is_empty() {
-        return Err(LabError::Nothing { reason: experiment.nothing_judged.join("; ") });
+        return Err(LabError::NotMeasured { reason: experiment.nothing_judged.join("; ") });
     }
     experiment.report.warnings.extend(experiment.nothing_judged.iter().map(|text| format!("{text}.")));
     experiment.finish()

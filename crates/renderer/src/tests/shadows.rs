@@ -113,7 +113,12 @@ fn ray_traced_visibility_is_unbiased() {
         .filter(|backend| *backend == kajo_techniques::TraceBackend::Compute || device.has_ray_query())
         .collect();
     for shape in shapes {
-        let scene = blocks(shape, position);
+        let mut scene = blocks(shape, position);
+        // One plate is found only by rays that go almost all the way to the light, one only by rays that go on behind it.
+        for (seen_from, share) in [(Vec3::new(-1.5, 0.0, 1.5), 0.15), (Vec3::new(0.3, 0.0, 1.8), -0.3)] {
+            let place_of_plate = position + share * (seen_from - position);
+            place(&mut scene, shapes::cuboid(Vec3::new(0.1, 0.01, 0.1)), lambert(0.5), Affine3A::from_translation(place_of_plate));
+        }
         let (frames, spp) = (24u32, 256u32);
         let reference = reference(&scene, START, None, size, spp, vec![Aov::Visibility("*".into())]);
         let truth = &reference.image("visibility.light 0").unwrap().pixels;

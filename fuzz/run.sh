@@ -1,9 +1,15 @@
 #!/bin/sh
-# Fuzzes every importer for SECONDS each (default 20), from seeds that code makes. Exit 0: nothing found. Exit 1: a finding, whose input lies in
-# fuzz/artifacts. Exit 2: fuzzing is not possible here. The sanitizer is off, since the importers are safe Rust: panics, hangs and memory are what is looked for.
+# Fuzzes every importer, from seeds that code makes. `fuzz/run.sh SECONDS` searches with new random numbers for that long each; `fuzz/run.sh` is the
+# check that can be repeated: a fixed number of runs with fixed random numbers. Exit 0: nothing found. Exit 1: a finding, whose input lies in fuzz/artifacts.
+# Exit 2: fuzzing is not possible here. The sanitizer is off, since the importers are safe Rust: panics, hangs and memory are what is looked for.
 set -eu
-seconds=${1:-20}
 cd "$(dirname "$0")/.."
+if [ $# -gt 0 ]; then
+    limit="-max_total_time=$1" corpus=fuzz/corpus
+else
+    limit="-runs=200000 -seed=1" corpus=fuzz/target/corpus
+    rm -rf "$corpus"
+fi
 
 if ! command -v c++ >/dev/null && ! command -v g++ >/dev/null && ! command -v clang++ >/dev/null; then
     echo "fuzz: libFuzzer is C++ and there is no C++ compiler; install g++" >&2
@@ -11,7 +17,7 @@ if ! command -v c++ >/dev/null && ! command -v g++ >/dev/null && ! command -v cl
 fi
 command -v cargo-fuzz >/dev/null || cargo install --locked cargo-fuzz || exit 2
 
-cargo run --release --quiet -p kajo-scene --example fuzz_seeds -- fuzz/corpus
+cargo run --release --quiet -p kajo-scene --example fuzz_seeds -- "$corpus"
 export CARGO_TARGET_DIR="$PWD/fuzz/target"
 # The coverage flags of cargo-fuzz are those of a nightly compiler.
 export RUSTC_BOOTSTRAP=1
@@ -19,7 +25,8 @@ cargo fuzz build --sanitizer none
 
 found=0
 for target in gltf glb obj hdr kajo_toml; do
-    echo "fuzz: $target for $seconds s"
-    cargo fuzz run --sanitizer none "$target" -- -max_total_time="$seconds" -timeout=10 -rss_limit_mb=4096 -max_len=65536 -print_final_stats=1 || found=1
+    echo "fuzz: $target, $limit"
+    # shellcheck disable=SC2086 # the words of $limit are arguments
+    cargo fuzz run --sanitizer none "$target" "$corpus/$target" -- $limit -timeout=10 -rss_limit_mb=4096 -max_len=65536 -verbosity=0 || found=1
 done
 exit $found

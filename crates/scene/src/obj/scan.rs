@@ -24,24 +24,26 @@ pub fn scan(file: &str, bytes: &[u8]) -> Result<Scan, SceneError> {
     let mut materials: Vec<(String, usize)> = Vec::new();
     let mut kinds: Vec<(&str, usize, usize)> = Vec::new();
     let mut smooth = None;
-    let mut has_normals = false;
+    // Positions, texture coordinates and normals so far.
+    let mut counts = [0_usize; 3];
     for (index, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
         // Lines that are not text are the parser's to refuse.
         let Ok(line) = std::str::from_utf8(line) else { continue };
         let mut words = line.split_whitespace();
         let Some(keyword) = words.next() else { continue };
         match keyword {
-            "v" | "vt" | "o" | "g" | "mtllib" => {}
+            "v" => counts[0] += 1,
+            "vt" => counts[1] += 1,
+            "o" | "g" | "mtllib" => {}
             "usemtl" => {
                 let name = line.split_once(' ').map_or("", |(_, name)| name.trim());
                 if !materials.iter().any(|(known, _)| known == name) {
                     materials.push((name.into(), index + 1));
                 }
             }
-            "vn" => has_normals = true,
+            "vn" => counts[2] += 1,
             "f" => {
-                if let Some(index_text) = words.flat_map(|word| word.split('/')).find(|text| text.len() > LONGEST_INDEX) {
-                    let problem = format!("`{index_text}` is no index of a vertex");
+                if let Some(problem) = words.find_map(|word| corner_problem(word, counts)) {
                     return Err(SceneError::Syntax { file: file.into(), line: index + 1, column: 1, problem });
                 }
             }
@@ -77,10 +79,22 @@ pub fn scan(file: &str, bytes: &[u8]) -> Result<Scan, SceneError> {
             note(line, format!("{kind} ({count}x)"), consequence)
         })
         .collect();
-    if let (Some(line), false) = (smooth, has_normals) {
+    if let (Some(line), false) = (smooth, counts[2] > 0) {
         notes.push(note(line, "s".into(), "smoothing groups are not evaluated: faces without normals are flat"));
     }
     Ok(Scan { notes, materials })
+}
+
+/// What is wrong with `v/vt/vn`, a corner of a face after `counts` of each: no index has so many digits, and a negative one counts back from
+/// the last. The parser does not look, and its sum wraps round. What is not a number, or points forward, is its own to refuse.
+fn corner_problem(corner: &str, counts: [usize; 3]) -> Option<String> {
+    corner.split('/').zip(counts).find_map(|(text, count)| match text.parse::<i64>() {
+        _ if text.len() > LONGEST_INDEX => Some(format!("`{text}` is no index of a vertex")),
+        Ok(index) if index < 0 && index.unsigned_abs() > count as u64 => {
+            Some(format!("index {text} counts back from {count} given so far; it must be -{count} or nearer"))
+        }
+        _ => None,
+    })
 }
 
 /// A material library as the parser survives it: a colour of one number, which the format allows, becomes a grey of three; colours in

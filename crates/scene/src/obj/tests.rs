@@ -74,6 +74,9 @@ fn broken_files_name_their_line() {
     assert!(refused("v 0 0 0\nf 1 2 9\n").contains("out of bounds"));
     assert!(refused("v 0 0 0\nf 1 2 99999999999999\n").contains("line 2"));
     assert!(refused("v 0 0 0\nf 1 -9223372036854775807 1\n").contains("is no index"));
+    // Found by fuzzing: the parser's own arithmetic wraps round.
+    assert!(refused("v 0 0 0\nvt 0 0\nvt 1 1\nf 1/1 1/-4 1/2\n").contains("index -4 counts back from 2 given so far"));
+    assert!(refused("v 0 0 0\nf 1 -2 1\n").contains("line 2"));
     assert!(refused("v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").contains("every number must be finite"));
     assert!(refused("v 0 0 1e999\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").contains("every number must be finite"));
     assert!(refused("").contains("there are no faces"));

@@ -32,5 +32,5 @@ mod values;
 pub use error::ParamError;
 pub use kajo_params_derive::{ParamChoice, Params};
 pub use spec::{ParamKind, ParamSpec};
-pub use types::{ParamSet, ParamType, ScalarType, Value};
+pub use types::{ParamSet, ParamType, Rows, ScalarType, Value};
 pub use values::ParamValues;

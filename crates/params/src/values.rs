@@ -25,7 +25,7 @@ impl ParamValues {
         Self { specs, values }
     }
 
-    /// The defaults, changed by `name = value` pairs.
+    /// The defaults, changed by `name = value` pairs. Rows may be given together, or one by one under the same name.
     ///
     /// # Errors
     /// Unknown or repeated names, values of the wrong type or out of range.
@@ -33,9 +33,15 @@ impl ParamValues {
         let mut out = Self::defaults(specs);
         let mut given = vec![false; specs.len()];
         for (name, text) in pairs {
+            let before = out.get(name);
             let index = out.set(name, text)?;
             if std::mem::replace(&mut given[index], true) {
-                return Err(ParamError::Repeated { name: specs[index].name });
+                let repeated = ParamError::Repeated { name: specs[index].name };
+                let (Some(Value::Rows(mut rows)), Value::Rows(more)) = (before, out.values[index]) else { return Err(repeated) };
+                if !more.as_slice().iter().all(|&row| rows.push(row)) {
+                    return Err(ParamError::OutOfRange { name: specs[index].name, got: text.to_string(), expected: specs[index].expected() });
+                }
+                out.values[index] = Value::Rows(rows);
             }
         }
         Ok(out)
@@ -78,12 +84,14 @@ impl ParamValues {
     /// Every parameter, for reports: numbers as numbers, choices by name.
     pub fn to_json(&self) -> serde_json::Map<String, serde_json::Value> {
         let json = |value: Value| match value {
-            // Through the shortest decimal text: 0.1_f32 is 0.1 in the report, not 0.10000000149.
-            Value::Float(value) => value.to_string().parse::<f64>().unwrap_or_default().into(),
+            Value::Float(value) => value.into(),
             Value::UInt(value) => value.into(),
             Value::Int(value) => value.into(),
             Value::Bool(value) => value.into(),
             Value::Choice { name, .. } => name.into(),
+            Value::Color(color) => color.to_vec().into(),
+            Value::Rows(rows) => rows.as_slice().iter().map(|row| row.to_vec()).collect::<Vec<_>>().into(),
+            Value::Path(path) => path.into(),
         };
         self.iter().map(|(spec, value)| (spec.name.to_owned(), json(value))).collect()
     }

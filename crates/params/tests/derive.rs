@@ -1,6 +1,6 @@
 //! A parameter struct, as techniques declare it.
 
-use kajo_params::{ParamChoice, ParamError, ParamKind, ParamSet as _, ParamValues, Params, Value};
+use kajo_params::{Rows, ParamChoice, ParamError, ParamKind, ParamSet as _, ParamValues, Params, Value};
 use kajo_units::Meters;
 
 #[derive(ParamChoice, Clone, Copy, Debug, PartialEq)]
@@ -107,4 +107,42 @@ fn nan_infinity_and_garbage_are_refused() {
 fn a_name_given_twice_is_refused() {
     let error = Params::from_pairs(&[("taps", "2"), ("taps", "3")]).unwrap_err();
     assert_eq!(error, ParamError::Repeated { name: "taps" });
+}
+
+#[derive(Params, Clone, Debug, PartialEq)]
+struct Wide {
+    /// Reflectance.
+    #[param(default = 0.5, range = 0.0..=1.0)]
+    color: [f64; 3],
+    /// Lobes.
+    #[param(default = 0.0, range = -1000.0..=1000.0)]
+    lobe: Rows,
+    /// Table.
+    #[param(default = 0.0)]
+    file: &'static str,
+    /// Width.
+    #[param(default = 0.1, range = 0.0..=1.0)]
+    width: f64,
+}
+
+#[test]
+fn colours_rows_and_paths_are_read_and_written() {
+    let given = [("color", "0.1,0.2,0.3"), ("lobe", "-1,-1,1,50"), ("lobe", "1,1,1,2.5"), ("file", "a b.binary"), ("width", "0.1")];
+    let wide = Wide::from_pairs(&given).unwrap();
+    assert_eq!(wide.color, [0.1, 0.2, 0.3]);
+    assert_eq!(wide.lobe.as_slice(), [[-1.0, -1.0, 1.0, 50.0], [1.0, 1.0, 1.0, 2.5]]);
+    assert_eq!((wide.file, wide.width), ("a b.binary", 0.1), "0.1 is the f64 nearest to 0.1");
+    let pairs = wide.to_values().to_pairs();
+    let text: Vec<(&str, &str)> = pairs.iter().map(|(name, value)| (*name, value.as_str())).collect();
+    assert_eq!(Wide::from_pairs(&text).unwrap(), wide);
+    assert_eq!(Wide::from_pairs(&[("color", "0.25")]).unwrap().color, [0.25; 3]);
+    assert_eq!(Wide::default().color, [0.5; 3]);
+    let refused = |name: &str, value: &str| Wide::from_pairs(&[(name, value)]).unwrap_err();
+    assert_eq!(refused("color", "1,2,3").to_string(), "parameter `color` is 1,2,3; it must be one number or r,g,b, each from 0 to 1");
+    for (name, value) in [("color", "1,1"), ("color", "nan"), ("color", ""), ("lobe", "1,2,3"), ("lobe", "1,2,3,x")] {
+        assert!(matches!(refused(name, value), ParamError::Malformed { .. }), "{name}={value}");
+    }
+    assert!(matches!(refused("lobe", "1,1,1,2000"), ParamError::OutOfRange { .. }));
+    let many = [("lobe", "1,1,1,1"); Rows::MOST + 1];
+    assert!(matches!(Wide::from_pairs(&many).unwrap_err(), ParamError::OutOfRange { .. }), "one row too many");
 }

@@ -8,6 +8,7 @@ mod fresnel;
 mod layered;
 mod material;
 mod microfacet;
+pub mod models;
 mod sheen;
 pub mod tables;
 mod thin_film;

@@ -39,7 +39,11 @@ impl ParamValues {
                 let repeated = ParamError::Repeated { name: specs[index].name };
                 let (Some(Value::Rows(mut rows)), Value::Rows(more)) = (before, out.values[index]) else { return Err(repeated) };
                 if !more.as_slice().iter().all(|&row| rows.push(row)) {
-                    return Err(ParamError::OutOfRange { name: specs[index].name, got: text.to_string(), expected: specs[index].expected() });
+                    return Err(ParamError::OutOfRange {
+                        name: specs[index].name,
+                        got: text.to_string(),
+                        expected: specs[index].expected(),
+                    });
                 }
                 out.values[index] = Value::Rows(rows);
             }

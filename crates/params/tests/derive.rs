@@ -1,6 +1,6 @@
 //! A parameter struct, as techniques declare it.
 
-use kajo_params::{Rows, ParamChoice, ParamError, ParamKind, ParamSet as _, ParamValues, Params, Value};
+use kajo_params::{ParamChoice, ParamError, ParamKind, ParamSet as _, ParamValues, Params, Rows, Value};
 use kajo_units::Meters;
 
 #[derive(ParamChoice, Clone, Copy, Debug, PartialEq)]

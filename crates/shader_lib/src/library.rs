@@ -30,6 +30,7 @@ pub const MODULES: &[Module] = modules![
     "color",
     "light",
     "math",
+    "models/geometry",
     "packing",
     "random",
     "tone_map",

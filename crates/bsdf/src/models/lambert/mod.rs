@@ -1,0 +1,65 @@
+//! Lambert's diffuse reflection.
+
+use crate::models::{Claims, Evaluate, Form, Geometry, Kind, Lobe, Mixture, Model, ModelEntry, Parameters, Real, Rgb, Scalar, V3, make};
+use kajo_params::Params;
+use std::f64::consts::FRAC_1_PI;
+
+#[cfg(test)]
+mod tests;
+
+/// The registry's entry.
+pub const MODEL: ModelEntry = ModelEntry {
+    id: "lambert",
+    title: "Lambert",
+    kind: Kind::Brdf,
+    doc: include_str!("doc.md"),
+    cites: &["Lambert1760"],
+    claims: Some(Claims { parameters: Parameters::Empirical, plausible: true, anisotropic: false, off_specular: false }),
+    has_printed_form: false,
+    params: Params::SPEC,
+    aliases: &[],
+    wesl: Some(include_str!("lambert.wesl")),
+    make: make::<Lambert>,
+};
+
+/// The model.
+pub struct Lambert;
+
+/// Its parameters.
+#[derive(Params, Clone, Copy, Debug)]
+pub struct Params {
+    /// Diffuse reflectance: the albedo, for every direction.
+    #[param(default = 0.8, range = 0.0..=1.0)]
+    pub kd: [f64; 3],
+}
+
+/// f = k_d/π.
+#[derive(Clone, Copy, Debug)]
+pub struct Formula<T> {
+    f: Rgb<T>,
+}
+
+impl<T: Real> Evaluate<T> for Formula<T> {
+    #[inline(always)]
+    fn value(&self, _g: &Geometry<T>) -> Rgb<T> {
+        self.f
+    }
+}
+
+impl Model for Lambert {
+    type Params = Params;
+    type Formula<T: Real> = Formula<T>;
+    const KIND: Kind = Kind::Brdf;
+
+    fn formula<T: Real>(params: &Params, _form: Form) -> Formula<T> {
+        Formula { f: Rgb::of(params.kd.map(|k| k * FRAC_1_PI)) }
+    }
+
+    fn lobes<T: Scalar>(_formula: &Formula<T>, _wo: V3<T>) -> Mixture<T> {
+        Mixture::new(&[(T::one(), Lobe::Cosine)])
+    }
+
+    fn constants(formula: &Formula<f32>) -> Vec<f32> {
+        formula.f.to_array().to_vec()
+    }
+}

@@ -1,0 +1,54 @@
+//! The reflectance models of the literature, each in its folder with equation, parameters, sampling, GPU side and tests.
+//!
+//! A model states its equation once over [`Real`]; [`all`] lists every model as data. Values for both directions above the surface are f in 1/sr, or, for
+//! the older shading functions, S; see [`Kind`]. Where the print of a source has a defect, [`Form`] chooses between print and correction.
+
+mod geometry;
+mod lobe;
+mod model;
+mod real;
+#[cfg(test)]
+pub(crate) mod testing;
+mod vector;
+
+pub mod lambert;
+pub mod phong;
+
+pub use geometry::Geometry;
+pub use lobe::{Lobe, MOST_LOBES, Mixture};
+pub use model::{Claims, Evaluate, Form, Kind, Model, ModelEntry, ModelError, Parameters, Reflectance, diffuse_and, make};
+pub use real::{Real, Scalar};
+pub use vector::{Rgb, V3};
+
+/// Every model, in the order of every list.
+const ALL: &[&ModelEntry] = &[&lambert::MODEL, &phong::BRDF, &phong::BSF];
+
+/// Every model.
+pub fn all() -> impl Iterator<Item = &'static ModelEntry> {
+    ALL.iter().copied()
+}
+
+/// The model called `id`.
+pub fn find(id: &str) -> Option<&'static ModelEntry> {
+    all().find(|model| model.id == id)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    #[test]
+    fn folders_and_list_agree() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/models");
+        let mut folders = BTreeSet::new();
+        for entry in std::fs::read_dir(root).unwrap().map(Result::unwrap).filter(|e| e.path().join("doc.md").exists()) {
+            folders.insert(std::fs::read_to_string(entry.path().join("doc.md")).unwrap());
+        }
+        let listed: BTreeSet<String> = all().map(|model| model.doc.to_owned()).collect();
+        assert!(folders == listed, "a folder with doc.md and a line in ALL belong together");
+        let ids: BTreeSet<_> = all().map(|model| model.id).collect();
+        assert_eq!(ids.len(), all().count(), "an id names one model");
+    }
+}

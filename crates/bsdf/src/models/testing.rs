@@ -1,0 +1,91 @@
+//! What the tests of every model use: the geometry sets of the specification, golden values, and checks with their planted faults.
+
+use super::*;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Geometry sets (θ_i, φ_i, θ_r, φ_r) in degrees, appendix C.
+pub const SETS: [(char, [f64; 4]); 5] = [
+    ('A', [30.0, 0.0, 40.0, 180.0]),
+    ('B', [60.0, 20.0, 45.0, 150.0]),
+    ('C', [10.0, 0.0, 75.0, 90.0]),
+    ('D', [50.0, 0.0, 50.0, 0.0]),
+    ('E', [70.0, 0.0, 70.0, 180.0]),
+];
+
+/// wi and wo of a set.
+pub fn directions([theta_i, phi_i, theta_r, phi_r]: [f64; 4]) -> (DVec3, DVec3) {
+    let direction = |theta: f64, phi: f64| V3::from_angles(theta.to_radians(), phi.to_radians()).into();
+    (direction(theta_i, phi_i), direction(theta_r, phi_r))
+}
+
+/// The model with parameters.
+pub fn model(id: &str, pairs: &[(&str, &str)], form: Form) -> Arc<dyn Reflectance> {
+    find(id).unwrap_or_else(|| panic!("no model {id}")).from_pairs(pairs, form).unwrap()
+}
+
+/// The largest relative deviation from golden values at the sets A to E; f32 against f64 is looked at on the way.
+pub fn golden_error(model: &dyn Reflectance, golden: [f64; 5]) -> f64 {
+    SETS.iter().zip(golden).fold(0.0, |worst, ((name, angles), expected)| {
+        let (wi, wo) = directions(*angles);
+        let value = model.value(wi, wo).x;
+        let single = f64::from(model.value_f32(wi.as_vec3(), wo.as_vec3()).x);
+        assert!((single - value).abs() <= 2e-4 * value.abs() + 1e-6, "{name}: f32 gives {single}, f64 {value}");
+        worst.max((value - expected).abs() / expected.abs().max(1e-12))
+    })
+}
+
+/// Asserts golden values to a relative tolerance, and that a value off by ten tolerances would be noticed.
+#[track_caller]
+pub fn assert_golden(id: &str, pairs: &[(&str, &str)], form: Form, golden: [f64; 5], tolerance: f64) {
+    let model = model(id, pairs, form);
+    let error = golden_error(&*model, golden);
+    assert!(error < tolerance, "{id} {pairs:?}: {error:e} from the golden values");
+    let fault = golden.map(|value| value * (1.0 + 10.0 * tolerance) + 1e-9 * tolerance);
+    assert!(golden_error(&*model, fault) > tolerance, "{id}: planted fault");
+}
+
+/// Directional albedo ∫ f cos θ dω seen from θ_r (and azimuth φ_r), degrees: midpoints in θ and φ.
+pub fn albedo(model: &dyn Reflectance, theta_r: f64, phi_r: f64) -> f64 {
+    let (nz, np) = (900, 1440);
+    let wo = DVec3::from(V3::from_angles(theta_r.to_radians(), phi_r.to_radians()));
+    let mut sum = 0.0;
+    for i in 0..nz {
+        let theta = (f64::from(i) + 0.5) / f64::from(nz) * std::f64::consts::FRAC_PI_2;
+        for j in 0..np {
+            let phi = (f64::from(j) + 0.5) / f64::from(np) * std::f64::consts::TAU;
+            let wi = DVec3::from(V3::from_angles(theta, phi));
+            sum += model.f_cos(wi, wo).x * theta.sin();
+        }
+    }
+    sum * std::f64::consts::PI * std::f64::consts::PI / f64::from(nz * np)
+}
+
+/// Largest relative asymmetry of f over pseudo-random pairs of directions.
+pub fn asymmetry(f: impl Fn(DVec3, DVec3) -> f64, pairs: usize) -> f64 {
+    let mut rng = kajo_sampling::Rng::new(77);
+    let mut next = || kajo_sampling::warp::uniform_hemisphere(rng.next_2d()).as_dvec3().normalize();
+    (0..pairs).fold(0.0, |worst, _| {
+        let (a, b) = (next(), next());
+        let (ab, ba) = (f(a, b), f(b, a));
+        f64::max(worst, (ab - ba).abs() / ab.abs().max(ba.abs()).max(1e-12))
+    })
+}
+
+/// E[f cos/pdf] by the model's own sampler and its standard error, seen from θ_r degrees.
+pub fn sampled_albedo(model: &dyn Reflectance, theta_r: f64, phi_r: f64, samples: u32) -> (f64, f64) {
+    let wo = DVec3::from(V3::from_angles(theta_r.to_radians(), phi_r.to_radians()));
+    let mut rng = kajo_sampling::Rng::new(u64::from(samples));
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for _ in 0..samples {
+        let u = std::array::from_fn(|_| f64::from(rng.next_1d()));
+        if let Some(wi) = model.sample(wo, u) {
+            let weight = model.f_cos(wi, wo).x / model.pdf(wi, wo);
+            sum += weight;
+            squares += weight * weight;
+        }
+    }
+    let n = f64::from(samples);
+    let mean = sum / n;
+    (mean, ((squares / n - mean * mean) / n).sqrt())
+}

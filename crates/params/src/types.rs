@@ -4,6 +4,7 @@ use crate::{ParamError, ParamSpec, ParamValues};
 use std::fmt;
 
 /// A value of a parameter.
+#[allow(clippy::large_enum_variant, reason = "few values exist at a time, and they stay Copy")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
     /// A real number, finite.

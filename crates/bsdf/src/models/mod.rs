@@ -16,7 +16,7 @@ pub mod phong;
 
 pub use geometry::Geometry;
 pub use lobe::{Lobe, MOST_LOBES, Mixture};
-pub use model::{Claims, Evaluate, Form, Kind, Model, ModelEntry, ModelError, Parameters, Reflectance, diffuse_and, make};
+pub use model::{Claims, Evaluate, Form, Kind, Made, Model, ModelEntry, ModelError, Parameters, Reflectance, diffuse_and, make};
 pub use real::{Real, Scalar};
 pub use vector::{Rgb, V3};
 

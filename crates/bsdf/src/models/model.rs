@@ -71,7 +71,7 @@ pub struct ModelEntry {
     /// The WESL module with its value on the GPU, `fn <name>_value(c: ModelConstants, g: ReflectionGeometry) -> vec3f`; `None` for models of files.
     pub wesl: Option<&'static str>,
     /// Makes it ready to evaluate.
-    pub make: fn(&ParamValues, Form) -> Result<Arc<dyn Reflectance>, ModelError>,
+    pub make: fn(&ParamValues, Form) -> Made,
 }
 
 impl ModelEntry {
@@ -80,7 +80,7 @@ impl ModelEntry {
     /// # Errors
     /// [`ModelError::Param`] for unknown names and values out of range, [`ModelError::Constraint`] for values that do not go together,
     /// [`ModelError::File`] for a table that cannot be read.
-    pub fn from_pairs(&self, pairs: &[(&str, &str)], form: Form) -> Result<Arc<dyn Reflectance>, ModelError> {
+    pub fn from_pairs(&self, pairs: &[(&str, &str)], form: Form) -> Made {
         (self.make)(&self.values(pairs)?, form)
     }
 
@@ -105,6 +105,9 @@ impl fmt::Debug for ModelEntry {
         f.write_str(self.id)
     }
 }
+
+/// A model ready to evaluate, or why it cannot be.
+pub type Made = Result<Arc<dyn Reflectance>, ModelError>;
 
 /// A model that cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -213,7 +216,7 @@ pub trait Reflectance: Send + Sync {
 ///
 /// # Errors
 /// [`ModelError::Constraint`].
-pub fn make<M: Model>(values: &ParamValues, form: Form) -> Result<Arc<dyn Reflectance>, ModelError> {
+pub fn make<M: Model>(values: &ParamValues, form: Form) -> Made {
     let params = M::Params::from_values(values);
     M::check(&params).map_err(ModelError::Constraint)?;
     Ok(Arc::new(Prepared::<M> {

@@ -29,6 +29,13 @@ pub enum Lobe<T> {
         /// Slope along y, > 0.
         my: T,
     },
+    /// Half vectors by exp(−2 (1 − cos δ) k)/(π m_x m_y (1 − e^(−2k))), k = cos²φ/m_x² + sin²φ/m_y²: the Gaussian over the chord instead of the slope.
+    GaussChord {
+        /// Slope along x, > 0.
+        mx: T,
+        /// Slope along y, > 0.
+        my: T,
+    },
     /// Half vectors by √((n_x+1)(n_y+1))/(2π) cos δ^(n_x cos²φ + n_y sin²φ).    [Ashikhmin00]
     HalfPower {
         /// Exponent along x, ≥ 0.
@@ -36,10 +43,13 @@ pub enum Lobe<T> {
         /// Exponent along y, ≥ 0.
         ny: T,
     },
-    /// Half vectors by cos δ · r/(π (1 + r cos²δ − cos²δ)²): Schlick's zenith term, which is Trowbridge-Reitz with α² = r.    [Schlick94]
+    /// Half vectors by cos δ · r/(π (1 + r cos²δ − cos²δ)²) · √p/(cos²φ + p sin²φ): Schlick's zenith term, which is Trowbridge-Reitz with α² = r, and an
+    /// azimuth that his A(φ) exceeds nowhere.    [Schlick94]
     Rational {
         /// Roughness, > 0.
         r: T,
+        /// Isotropy in (0, 1]; 1 is isotropic.
+        p: T,
     },
 }
 
@@ -110,15 +120,21 @@ impl<T: Scalar> Lobe<T> {
                 let tan2 = -(T::one() - u).ln() / (c2 / mx.squared() + s2 / my.squared());
                 mirror(wo, from_cos_phi((T::one() / (T::one() + tan2)).sqrt(), phi))
             }
+            Self::GaussChord { mx, my } => {
+                let phi = quadrant_azimuth(v, my / mx);
+                let two_k = T::of(2.0) * (phi.cos().squared() / mx.squared() + phi.sin().squared() / my.squared());
+                let below = T::one() - (-two_k).exp();
+                mirror(wo, from_cos_phi((T::one() + (T::one() - u * below).ln() / two_k).max(T::zero()), phi))
+            }
             Self::HalfPower { nx, ny } => {
                 let phi = quadrant_azimuth(v, ((nx + T::one()) / (ny + T::one())).sqrt());
                 let exponent = nx * phi.cos().squared() + ny * phi.sin().squared();
                 mirror(wo, from_cos_phi((T::one() - u).powf(T::one() / (exponent + T::one())), phi))
             }
-            Self::Rational { r } => {
+            Self::Rational { r, p } => {
                 // cos²δ = ξ/(r − ξ r + ξ), ξ = 1 − u.
                 let xi = T::one() - u;
-                mirror(wo, from_cos_phi((xi / (r - xi * r + xi)).sqrt(), two_pi * v))
+                mirror(wo, from_cos_phi((xi / (r - xi * r + xi)).sqrt(), quadrant_azimuth(v, T::one() / p.sqrt())))
             }
         }
     }
@@ -138,14 +154,24 @@ impl<T: Scalar> Lobe<T> {
                 let exponent = -((h.x / mx).squared() + (h.y / my).squared()) / h.z.squared();
                 exponent.exp() * inverse_pi / (mx * my * h.z * h.z * h.z)
             }),
+            Self::GaussChord { mx, my } => half_vector_pdf(wi, wo, |h| {
+                let (x2, y2) = ((h.x / mx).squared(), (h.y / my).squared());
+                let sin2 = h.x.squared() + h.y.squared();
+                let exponent = -T::of(2.0) * (x2 + y2) / (T::one() + h.z);
+                // Along the normal every azimuth is valid.
+                let k = if sin2 > T::zero() { (x2 + y2) / sin2 } else { T::one() / mx.squared() };
+                let below = T::one() - (-T::of(2.0) * k).exp();
+                exponent.exp() * inverse_pi / (mx * my * below)
+            }),
             Self::HalfPower { nx, ny } => half_vector_pdf(wi, wo, |h| {
                 let sin2 = h.x.squared() + h.y.squared();
                 let exponent = if sin2 > T::zero() { (nx * h.x.squared() + ny * h.y.squared()) / sin2 } else { T::zero() };
                 ((nx + T::one()) * (ny + T::one())).sqrt() * T::of(0.5 / PI) * h.z.powf(exponent)
             }),
-            Self::Rational { r } => half_vector_pdf(wi, wo, |h| {
-                let c2 = h.z.squared();
-                h.z * r * inverse_pi / (T::one() + (r - T::one()) * c2).squared()
+            Self::Rational { r, p } => half_vector_pdf(wi, wo, |h| {
+                let (x2, y2) = (h.x.squared(), h.y.squared());
+                let azimuth = T::select(x2 + y2 > T::zero(), p.sqrt() * (x2 + y2) / (x2 + p * y2).max(T::of(1e-37)), T::one());
+                h.z * r * inverse_pi * azimuth / (x2 + y2 + r * h.z.squared()).squared()
             }),
         }
     }
@@ -203,15 +229,18 @@ fn to_frame<T: Scalar>(axis: V3<T>, local: V3<T>) -> V3<T> {
 mod tests {
     use super::*;
 
-    const LOBES: [Lobe<f64>; 8] = [
+    const LOBES: [Lobe<f64>; 11] = [
         Lobe::Cosine,
         Lobe::Power { axis: V3 { x: 0.6, y: 0.0, z: 0.8 }, n: 0.0 },
         Lobe::Power { axis: V3 { x: 0.6, y: 0.0, z: 0.8 }, n: 30.0 },
         Lobe::Gauss { mx: 0.1, my: 0.4 },
         Lobe::Gauss { mx: 0.5, my: 0.5 },
         Lobe::HalfPower { nx: 10.0, ny: 100.0 },
-        Lobe::Rational { r: 0.4 },
-        Lobe::Rational { r: 0.05 },
+        Lobe::GaussChord { mx: 0.1, my: 0.4 },
+        Lobe::GaussChord { mx: 1.5, my: 0.8 },
+        Lobe::Rational { r: 0.4, p: 1.0 },
+        Lobe::Rational { r: 0.05, p: 1.0 },
+        Lobe::Rational { r: 0.1, p: 0.3 },
     ];
 
     /// Sorts samples and the integral of the density into the same cells and returns the worst deviation in standard deviations.
@@ -259,7 +288,7 @@ mod tests {
         let narrow = Lobe::Gauss { mx: 0.1, my: 0.4 };
         let wide = Lobe::Gauss { mx: 0.11, my: 0.4 };
         assert!(worst_cell(narrow, |wi, wo| wide.pdf(wi, wo)) > 4.0);
-        let cosine = Lobe::Rational { r: 0.4 };
+        let cosine = Lobe::Rational { r: 0.4, p: 1.0 };
         assert!(worst_cell(cosine, |wi, wo| 1.2 * cosine.pdf(wi, wo)) > 4.0);
     }
 }

@@ -13,6 +13,7 @@ mod vector;
 
 pub mod lambert;
 pub mod phong;
+pub mod ward;
 
 pub use geometry::Geometry;
 pub use lobe::{Lobe, MOST_LOBES, Mixture};
@@ -21,7 +22,7 @@ pub use real::{Real, Scalar};
 pub use vector::{Rgb, V3};
 
 /// Every model, in the order of every list.
-const ALL: &[&ModelEntry] = &[&lambert::MODEL, &phong::BRDF, &phong::BSF];
+const ALL: &[&ModelEntry] = &[&lambert::MODEL, &phong::BRDF, &phong::BSF, &ward::MODEL];
 
 /// Every model.
 pub fn all() -> impl Iterator<Item = &'static ModelEntry> {

@@ -47,18 +47,17 @@ pub fn assert_golden(id: &str, pairs: &[(&str, &str)], form: Form, golden: [f64;
 
 /// Directional albedo ∫ f cos θ dω seen from θ_r (and azimuth φ_r), degrees: midpoints in θ and φ.
 pub fn albedo(model: &dyn Reflectance, theta_r: f64, phi_r: f64) -> f64 {
+    use std::f64::consts::{FRAC_PI_2, PI, TAU};
     let (nz, np) = (900, 1440);
     let wo = DVec3::from(V3::from_angles(theta_r.to_radians(), phi_r.to_radians()));
+    let azimuths: Vec<_> = (0..np).map(|j| ((f64::from(j) + 0.5) / f64::from(np) * TAU).sin_cos()).collect();
     let mut sum = 0.0;
     for i in 0..nz {
-        let theta = (f64::from(i) + 0.5) / f64::from(nz) * std::f64::consts::FRAC_PI_2;
-        for j in 0..np {
-            let phi = (f64::from(j) + 0.5) / f64::from(np) * std::f64::consts::TAU;
-            let wi = DVec3::from(V3::from_angles(theta, phi));
-            sum += model.f_cos(wi, wo).x * theta.sin();
-        }
+        let (sin, cos) = ((f64::from(i) + 0.5) / f64::from(nz) * FRAC_PI_2).sin_cos();
+        let row: f64 = azimuths.iter().map(|(s, c)| model.f_cos(DVec3::new(c * sin, s * sin, cos), wo).x).sum();
+        sum += row * sin;
     }
-    sum * std::f64::consts::PI * std::f64::consts::PI / f64::from(nz * np)
+    sum * PI * PI / f64::from(nz * np)
 }
 
 /// Largest relative asymmetry of f over pseudo-random pairs of directions.
@@ -88,4 +87,56 @@ pub fn sampled_albedo(model: &dyn Reflectance, theta_r: f64, phi_r: f64, samples
     let n = f64::from(samples);
     let mean = sum / n;
     (mean, ((squares / n - mean * mean) / n).sqrt())
+}
+
+/// ∫ p dω over the sphere and over its upper half: midpoints in θ and φ.
+pub fn masses(pdf: impl Fn(V3<f64>) -> f64) -> (f64, f64) {
+    let (nt, np) = (1200, 1200);
+    let (mut whole, mut above) = (0.0, 0.0);
+    for i in 0..nt {
+        let theta = (f64::from(i) + 0.5) / f64::from(nt) * std::f64::consts::PI;
+        let row: f64 = (0..np).map(|j| pdf(V3::from_angles(theta, (f64::from(j) + 0.5) / f64::from(np) * std::f64::consts::TAU))).sum();
+        let mass = row * theta.sin() * 2.0 * std::f64::consts::PI * std::f64::consts::PI / (f64::from(nt) * f64::from(np));
+        whole += mass;
+        above += if 2 * i < nt { mass } else { 0.0 };
+    }
+    (whole, above)
+}
+
+/// p-value of χ²: do samples seen from θ_r, φ_r (degrees) follow `pdf`? Samples of weight 0 are a cell of their own.
+pub fn chi_square(model: &dyn Reflectance, pdf: impl Fn(DVec3, DVec3) -> f64, theta_r: f64, phi_r: f64) -> f64 {
+    use std::f64::consts::{FRAC_PI_2, TAU};
+    let (rows, columns, fine, samples) = (12, 24, 40, 200_000_u32);
+    let wo = DVec3::from(V3::from_angles(theta_r.to_radians(), phi_r.to_radians()));
+    let mut expected = vec![0.0; rows * columns + 1];
+    for i in 0..rows * fine {
+        let theta = (i as f64 + 0.5) / (rows * fine) as f64 * FRAC_PI_2;
+        for j in 0..columns * fine {
+            let phi = (j as f64 + 0.5) / (columns * fine) as f64 * TAU;
+            let mass = pdf(DVec3::from(V3::from_angles(theta, phi)), wo) * theta.sin() * FRAC_PI_2 * TAU;
+            expected[i / fine * columns + j / fine] += f64::from(samples) * mass / (rows * columns * fine * fine) as f64;
+        }
+    }
+    let above: f64 = expected.iter().sum();
+    expected[rows * columns] = (f64::from(samples) - above).max(0.0);
+    let mut observed = vec![0.0; rows * columns + 1];
+    let mut rng = kajo_sampling::Rng::new(91);
+    for _ in 0..samples {
+        let u = std::array::from_fn(|_| f64::from(rng.next_1d()));
+        let cell = model.sample(wo, u).map_or(rows * columns, |wi| {
+            let row = ((wi.z.acos() / FRAC_PI_2 * rows as f64) as usize).min(rows - 1);
+            row * columns + (((wi.y.atan2(wi.x) / TAU).rem_euclid(1.0) * columns as f64) as usize).min(columns - 1)
+        });
+        observed[cell] += 1.0;
+    }
+    kajo_sampling::statistics::chi_square_p_value(&observed, &expected, 0)
+}
+
+/// Asserts that samples follow the model's density, and that one off by 5 % between two halves of the azimuth would be noticed.
+#[track_caller]
+pub fn assert_samples_follow(model: &dyn Reflectance, theta_r: f64, phi_r: f64) {
+    let p = chi_square(model, |wi, wo| model.pdf(wi, wo), theta_r, phi_r);
+    assert!(p > 0.001, "seen from {theta_r}°, {phi_r}°: p = {p}");
+    let fault = chi_square(model, |wi, wo| model.pdf(wi, wo) * if wi.y > 0.0 { 1.05 } else { 0.95 }, theta_r, phi_r);
+    assert!(fault < 0.001, "planted fault: p = {fault}");
 }

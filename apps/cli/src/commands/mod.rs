@@ -1,6 +1,7 @@
 //! One file a command.
 
 mod bench_rays;
+mod bsdf;
 mod compare;
 mod coverage;
 mod devices;
@@ -18,6 +19,7 @@ pub fn run(arguments: &Kajo) -> Outcome {
     let common = &arguments.common;
     match &arguments.command {
         Command::Bench(Bench::Rays(arguments)) => bench_rays::run(common, arguments),
+        Command::Bsdf(command) => bsdf::run(common, command),
         Command::Compare(arguments) => compare::run(common, arguments),
         Command::Coverage { status } => coverage::run(common, status.as_deref()),
         Command::Devices { plain } => devices::run(common, *plain),

@@ -78,7 +78,7 @@ fn range(param: &ParamSpec) -> String {
         ParamKind::Int { min, max } => format!("{min} … {max}"),
         ParamKind::Bool => "true, false".into(),
         ParamKind::Choice { names } => names.join(", "),
-        ParamKind::Color { .. } | ParamKind::Rows { .. } | ParamKind::Path => spec.expected(),
+        ParamKind::Color { .. } | ParamKind::Rows { .. } | ParamKind::Path => param.expected(),
     }
 }
 

@@ -1,5 +1,7 @@
 //! The words of the command line. Names and flags are a contract: add, do not rename.
 
+pub mod bsdf;
+
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::UVec2;
@@ -58,6 +60,9 @@ pub enum Command {
         #[arg(long, value_parser = ["done", "partial", "todo"])]
         status: Option<String>,
     },
+    /// Reflectance models: list, evaluate, measure
+    #[command(subcommand)]
+    Bsdf(bsdf::Bsdf),
     /// Time parts of Kajo
     #[command(subcommand)]
     Bench(Bench),

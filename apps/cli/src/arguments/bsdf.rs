@@ -1,0 +1,159 @@
+//! The words of `kajo bsdf`.
+
+use clap::{Args, Subcommand, ValueEnum};
+use kajo_bsdf::models;
+
+/// Reflectance models: list, evaluate, measure.
+#[derive(Debug, Subcommand)]
+pub enum Bsdf {
+    /// List the models with their parameters, ranges and units, or show one
+    List {
+        /// Model id, e.g. ward
+        id: Option<String>,
+    },
+    /// Evaluate a model for one pair of directions
+    Eval(Eval),
+    /// Directional albedo, by quadrature and by the model's own samples
+    Albedo(Albedo),
+    /// Check reciprocity, energy and finite numbers, of one model or of all
+    Check(Check),
+    /// Check that samples follow their density, and that value and density give the albedo
+    SampleTest(SampleTest),
+}
+
+/// One model with parameters, or all models with their defaults.
+#[derive(Debug, Args)]
+pub struct Models {
+    /// Model id [default: every model]
+    #[arg(long, value_name = "ID")]
+    pub model: Option<String>,
+    /// A parameter of the model. Repeatable
+    #[arg(long = "param", value_name = "NAME=VALUE", num_args = 1.., value_parser = pair, requires = "model")]
+    pub params: Vec<(String, String)>,
+    /// The form that keeps what the model claims, or as printed in its source
+    #[arg(long, value_enum, default_value = "corrected")]
+    pub form: Form,
+}
+
+/// `kajo bsdf check`.
+#[derive(Debug, Args)]
+pub struct Check {
+    /// What to check.
+    #[command(flatten)]
+    pub models: Models,
+    /// Random pairs of directions
+    #[arg(long, value_name = "N", default_value = "20000", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    pub pairs: u32,
+    /// Random numbers start here
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub seed: u64,
+}
+
+/// `kajo bsdf sample-test`.
+#[derive(Debug, Args)]
+pub struct SampleTest {
+    /// What to check.
+    #[command(flatten)]
+    pub models: Models,
+    /// Inclinations of the viewer from the normal
+    #[arg(long, value_name = "DEG", value_delimiter = ',', default_value = "0,45,70,85", value_parser = inclination)]
+    pub theta_r: Vec<f64>,
+    /// Azimuth of the viewer from the tangent x
+    #[arg(long, value_name = "DEG", default_value = "0", allow_negative_numbers = true, value_parser = angle)]
+    pub phi_r: f64,
+    /// Samples for each inclination
+    #[arg(long, value_name = "N", default_value = "200000", value_parser = clap::value_parser!(u32).range(1000..=1_000_000_000))]
+    pub samples: u32,
+    /// Random numbers start here
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub seed: u64,
+}
+
+/// A model with parameters.
+#[derive(Debug, Args)]
+pub struct ModelChoice {
+    /// Model id: see `kajo bsdf list`
+    #[arg(long, value_name = "ID")]
+    pub model: String,
+    /// A parameter; a colour is one number or r,g,b. Repeatable
+    #[arg(long = "param", value_name = "NAME=VALUE", num_args = 1.., value_parser = pair)]
+    pub params: Vec<(String, String)>,
+    /// The form that keeps what the model claims, or as printed in its source
+    #[arg(long, value_enum, default_value = "corrected")]
+    pub form: Form,
+}
+
+/// Which form of an equation.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+#[allow(missing_docs, reason = "the names say it")]
+pub enum Form {
+    Corrected,
+    Printed,
+}
+
+impl From<Form> for models::Form {
+    fn from(form: Form) -> Self {
+        match form {
+            Form::Corrected => Self::Corrected,
+            Form::Printed => Self::Printed,
+        }
+    }
+}
+
+/// `kajo bsdf eval`.
+#[derive(Debug, Args)]
+pub struct Eval {
+    /// The model.
+    #[command(flatten)]
+    pub model: ModelChoice,
+    /// Inclination of the light from the normal
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = inclination)]
+    pub theta_i: f64,
+    /// Azimuth of the light from the tangent x
+    #[arg(long, value_name = "DEG", default_value = "0", allow_negative_numbers = true, value_parser = angle)]
+    pub phi_i: f64,
+    /// Inclination of the viewer from the normal
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = inclination)]
+    pub theta_r: f64,
+    /// Azimuth of the viewer from the tangent x
+    #[arg(long, value_name = "DEG", default_value = "0", allow_negative_numbers = true, value_parser = angle)]
+    pub phi_r: f64,
+}
+
+/// `kajo bsdf albedo`.
+#[derive(Debug, Args)]
+pub struct Albedo {
+    /// The model.
+    #[command(flatten)]
+    pub model: ModelChoice,
+    /// Inclinations of the viewer from the normal
+    #[arg(long, value_name = "DEG", value_delimiter = ',', default_value = "0,30,60,75,85", value_parser = inclination)]
+    pub theta_r: Vec<f64>,
+    /// Azimuth of the viewer from the tangent x
+    #[arg(long, value_name = "DEG", default_value = "0", allow_negative_numbers = true, value_parser = angle)]
+    pub phi_r: f64,
+    /// Samples of the sampled estimate
+    #[arg(long, value_name = "N", default_value = "100000", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000))]
+    pub samples: u32,
+}
+
+fn pair(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() => Ok((name.trim().into(), value.trim().into())),
+        _ => Err("a parameter is written name=value".into()),
+    }
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|angle: &f64| angle.is_finite()).ok_or_else(|| "an angle is a finite number of degrees".into())
+}
+
+fn inclination(text: &str) -> Result<f64, String> {
+    angle(text).and_then(|angle| {
+        if (0.0..=180.0).contains(&angle) {
+            Ok(angle)
+        } else {
+            Err("an inclination is from 0 (the normal) to 180 degrees; over 90 is below the surface".into())
+        }
+    })
+}

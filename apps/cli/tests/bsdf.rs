@@ -1,0 +1,55 @@
+//! `kajo bsdf` as a user types it.
+
+mod common;
+
+use common::{json, run, succeed};
+use std::path::Path;
+
+fn here() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn words(line: &str) -> Vec<&str> {
+    line.split(' ').collect()
+}
+
+#[test]
+fn eval_prints_value_cosine_and_density() {
+    let brdf = json(here(), &words("bsdf eval --model phong --param kd=0.4 ks=0.4 --param n=50 --theta-i 30 --theta-r 40 --phi-r 180"));
+    let number = |json: &serde_json::Value, key: &str| json[key][2].as_f64().unwrap();
+    assert!((number(&brdf, "f") - 1.667_095_944).abs() < 1e-9, "{brdf}");
+    assert!((number(&brdf, "f_cos") - number(&brdf, "f") * 30_f64.to_radians().cos()).abs() < 1e-12, "{brdf}");
+    assert!(brdf["pdf"].as_f64().unwrap() > 0.0);
+    let bsf = json(here(), &words("bsdf eval --model phong-bsf --param kd=0.4 ks=0.4 n=50 --theta-i 30 --theta-r 40 --phi-r 180"));
+    assert!((number(&bsf, "f_cos") - 0.532_461_560_4).abs() < 1e-9, "a shading function contains the cosine: {bsf}");
+    assert_eq!(number(&bsf, "bsf"), number(&bsf, "f_cos"));
+}
+
+#[test]
+fn wrong_models_and_parameters_are_refused_with_what_is_right() {
+    let eval = "bsdf eval --theta-i 30 --theta-r 40 --model";
+    for (model, says) in [
+        ("phnog", "no model `phnog`, did you mean `phong`?"),
+        ("phong --param kx=1", "no parameter `kx`"),
+        ("phong --param n=nan", "parameter `n` is `nan`; it must be from 0 to"),
+        ("phong --param kd=-1", "it must be one number or r,g,b, each from 0 to 1"),
+        ("phong --param kd=0.6 ks=0.6", "kd + ks is 1.2"),
+        ("phong --param kd", "a parameter is written name=value"),
+        ("phong --phi-i inf", "an angle is a finite number of degrees"),
+    ] {
+        let output = run(here(), &words(&format!("{eval} {model}")));
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{model}: {stderr}");
+        assert!(stderr.starts_with("error: ") && stderr.contains(says), "{model}: no `{says}` in {stderr}");
+    }
+}
+
+#[test]
+fn albedo_check_and_sample_test_measure_every_model() {
+    let albedo = json(here(), &words("bsdf albedo --model lambert --param kd=0.5 --theta-r 30 --samples 1000"));
+    assert!((albedo["albedos"][0]["albedo"][0].as_f64().unwrap() - 0.5).abs() < 1e-7, "{albedo}");
+    let models = json(here(), &["bsdf", "list"]).as_array().unwrap().len();
+    assert_eq!(json(here(), &words("bsdf check --model phong --pairs 100"))[0]["reciprocity"]["holds"], true);
+    let table = succeed(here(), &words("bsdf sample-test --model phong --samples 10000"));
+    assert!(models >= 3 && table.lines().count() == 5, "{table}");
+}

@@ -1,0 +1,10 @@
+//! Measures reflectance models: albedo, reciprocity, energy, sampling.
+//!
+//! Everything here works on [`kajo_bsdf::models::Reflectance`], so a model that is registered is measured without a line here.
+
+mod albedo;
+pub mod checks;
+mod quadrature;
+
+pub use albedo::{SampledAlbedo, albedo, sampled_albedo};
+pub use quadrature::{Cell, angles, integrate};

@@ -31,6 +31,7 @@ pub const MODULES: &[Module] = modules![
     "light",
     "math",
     "models/geometry",
+    "models/schlick",
     "packing",
     "random",
     "tone_map",

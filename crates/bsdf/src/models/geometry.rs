@@ -47,12 +47,13 @@ impl<T: Real> Geometry<T> {
         T::of(2.0) * self.wi.z * self.wo.z - self.wi.dot(self.wo)
     }
 
-    /// cos²φ_h, φ_h the azimuth of the half vector from the tangent x. Where the half vector is the normal every azimuth is valid: 1.
+    /// cos²φ_h, φ_h the azimuth of the half vector from the tangent x. Where the half vector is the normal, to
+    /// 1e-7 rad, which is what f32 resolves, every azimuth is valid: 1.
     #[inline(always)]
     pub fn cos2_phi_h(&self) -> T {
         let (x2, y2) = (self.h.x.squared(), self.h.y.squared());
         let sum = x2 + y2;
-        let degenerate = sum.le(T::zero());
+        let degenerate = sum.le(T::of(1e-14));
         T::select(degenerate, T::one(), x2 / T::select(degenerate, T::one(), sum))
     }
 

@@ -11,8 +11,10 @@ mod real;
 pub(crate) mod testing;
 mod vector;
 
+pub mod ashikhmin_shirley;
 pub mod lambert;
 pub mod phong;
+pub mod schlick;
 pub mod ward;
 
 pub use geometry::Geometry;
@@ -22,7 +24,8 @@ pub use real::{Real, Scalar};
 pub use vector::{Rgb, V3};
 
 /// Every model, in the order of every list.
-const ALL: &[&ModelEntry] = &[&lambert::MODEL, &phong::BRDF, &phong::BSF, &ward::MODEL];
+const ALL: &[&ModelEntry] =
+    &[&lambert::MODEL, &phong::BRDF, &phong::BSF, &ward::MODEL, &schlick::SINGLE, &schlick::DOUBLE, &ashikhmin_shirley::MODEL];
 
 /// Every model.
 pub fn all() -> impl Iterator<Item = &'static ModelEntry> {

@@ -91,7 +91,7 @@ pub fn sampled_albedo(model: &dyn Reflectance, theta_r: f64, phi_r: f64, samples
 
 /// ∫ p dω over the sphere and over its upper half: midpoints in θ and φ.
 pub fn masses(pdf: impl Fn(V3<f64>) -> f64) -> (f64, f64) {
-    let (nt, np) = (1200, 1200);
+    let (nt, np) = (2400, 600);
     let (mut whole, mut above) = (0.0, 0.0);
     for i in 0..nt {
         let theta = (f64::from(i) + 0.5) / f64::from(nt) * std::f64::consts::PI;

@@ -4,7 +4,6 @@ use crate::judge::{Judge, Kind, Take};
 use crate::plan::Choice;
 use crate::report::Cost;
 use kajo_image::Image;
-use kajo_render_graph::Device;
 use kajo_renderer::{Error, FrameOutput, FrameSettings, Renderer, RoleSelection};
 use kajo_techniques::Role;
 use kajo_units::LinearRgb;
@@ -27,7 +26,6 @@ pub struct Measured {
 /// # Errors
 /// When the technique cannot run on this device or the device fails.
 pub fn measure(
-    device: &Device,
     renderer: &mut Renderer,
     role: Role,
     choice: &Choice,
@@ -36,13 +34,11 @@ pub fn measure(
 ) -> Result<Measured, Error> {
     let selection = RoleSelection::new().with(choice.technique, choice.params.clone());
     let settings = |frame: u32| FrameSettings { index: (seed as u32).wrapping_add(frame), ..FrameSettings::default() };
-    let before = device.memory_bytes();
     for frame in 0..WARM_UP_FRAMES {
         renderer.render(&selection, &settings(frame))?;
     }
-    let memory_bytes = device.memory_bytes().saturating_sub(before);
     let (mut takes, mut gpu, mut cpu) = (Vec::new(), Vec::new(), Vec::new());
-    let mut rays = 0;
+    let (mut rays, mut memory_bytes) = (0, 0);
     for frame in 0..frames.max(repeat) {
         let start = Instant::now();
         let output = renderer.render(&selection, &settings(frame))?;
@@ -50,6 +46,7 @@ pub fn measure(
             cpu.push(start.elapsed().as_secs_f64() * 1e3);
             gpu.push(output.timings.sum_of(choice.technique.id));
             rays = output.rays;
+            memory_bytes = output.technique_bytes.iter().filter(|(id, _)| *id == choice.technique.id).map(|(_, bytes)| bytes).sum();
         }
         if frame < repeat {
             takes.push(take(role, judge, output));

@@ -150,6 +150,11 @@ impl Device {
         self.memory.bytes()
     }
 
+    /// The same device with a count of its own: what is made with it is counted there, and here too.
+    pub fn counting_apart(&self) -> Self {
+        Self { memory: self.memory.part(), ..self.clone() }
+    }
+
     /// Makes a texture that is counted in [`Self::memory_bytes`].
     pub fn texture(&self, desc: &wgpu::TextureDescriptor<'_>) -> Texture {
         Texture::new(&self.wgpu, &self.memory, desc)
@@ -373,5 +378,31 @@ mod tests {
         assert_eq!(device.memory_bytes() - before, 1024);
         drop(buffer);
         assert_eq!(device.memory_bytes(), before);
+    }
+
+    #[test]
+    fn a_part_is_counted_apart_and_in_the_whole() {
+        let device = Device::new().unwrap();
+        let (one, other) = (device.counting_apart(), device.counting_apart());
+        let bytes = || [&device, &one, &other].map(Device::memory_bytes);
+        let size = wgpu::Extent3d { width: 8, height: 4, depth_or_array_layers: 3 };
+        let texture = one.texture(&wgpu::TextureDescriptor {
+            label: None,
+            size,
+            mip_level_count: 2,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8Unorm,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        // Three layers of 8 × 4 and 4 × 2 texels of four bytes.
+        assert_eq!(bytes(), [480, 480, 0]);
+        let buffer = other.buffer("test", 100, wgpu::BufferUsages::STORAGE).unwrap();
+        assert_eq!(bytes(), [592, 480, 112]);
+        drop(texture);
+        assert_eq!(bytes(), [112, 0, 112]);
+        drop(buffer);
+        assert_eq!(bytes(), [0; 3]);
     }
 }

@@ -99,6 +99,11 @@ impl<'a> Graph<'a> {
         self.runs.push(Box::new(run));
     }
 
+    /// Slots that the passes whose names start with `prefix` make.
+    pub fn written_by(&self, prefix: &str) -> Vec<Slot> {
+        self.accesses.iter().filter(|access| access.name.starts_with(prefix)).flat_map(|access| &access.writes).copied().collect()
+    }
+
     /// Orders and runs the passes, waits for the device, and says how long each took.
     ///
     /// # Errors

@@ -5,16 +5,33 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Bytes of what is alive; clones share the counter.
 #[derive(Clone, Debug, Default)]
-pub struct Memory(Arc<AtomicU64>);
+pub struct Memory(Arc<Counter>);
+
+#[derive(Debug, Default)]
+struct Counter {
+    bytes: AtomicU64,
+    whole: Option<Memory>,
+}
 
 impl Memory {
+    /// A counter of a part: what it counts is counted here too.
+    pub fn part(&self) -> Self {
+        Self(Arc::new(Counter { bytes: AtomicU64::new(0), whole: Some(self.clone()) }))
+    }
+
     /// Bytes that are alive.
     pub fn bytes(&self) -> u64 {
-        self.0.load(Ordering::Relaxed)
+        self.0.bytes.load(Ordering::Relaxed)
+    }
+
+    fn chain(&self) -> impl Iterator<Item = &AtomicU64> {
+        std::iter::successors(Some(self), |memory| memory.0.whole.as_ref()).map(|memory| &memory.0.bytes)
     }
 
     fn take(&self, bytes: u64) -> Share {
-        self.0.fetch_add(bytes, Ordering::Relaxed);
+        for counter in self.chain() {
+            counter.fetch_add(bytes, Ordering::Relaxed);
+        }
         Share { memory: self.clone(), bytes }
     }
 }
@@ -28,7 +45,9 @@ struct Share {
 
 impl Drop for Share {
     fn drop(&mut self) {
-        self.memory.0.fetch_sub(self.bytes, Ordering::Relaxed);
+        for counter in self.memory.chain() {
+            counter.fetch_sub(self.bytes, Ordering::Relaxed);
+        }
     }
 }
 

@@ -23,6 +23,9 @@ pub struct FrameOutput {
     pub timings: Timings,
     /// Bytes of everything that is alive on the device.
     pub memory_bytes: u64,
+    /// Bytes of what each technique keeps, by id: its textures and buffers, and the images of the slots that its passes make. Acceleration
+    /// structures are the scene's.
+    pub technique_bytes: Vec<(&'static str, u64)>,
     /// Rays traced for the frame.
     pub rays: u64,
     /// Pixels lit, each counted once for each group of lights.

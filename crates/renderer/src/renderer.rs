@@ -14,7 +14,7 @@ use crate::{Error, ignored, read};
 use glam::{Mat4, Vec3};
 use kajo_image::Image;
 use kajo_render_graph::wgpu::{self, BufferUsages};
-use kajo_render_graph::{Bindings, Buffer, Device, Graph, Pool, Timings, slot};
+use kajo_render_graph::{Bindings, Buffer, Device, Graph, Pool, Slot, Texture, Timings, slot};
 use kajo_scene::{Environment, Ignored, Scene, Snapshot};
 use kajo_shader_lib::BSDF_TABLES;
 use kajo_techniques::{Coverage, Effect, FrameContext, MakeContext, Role, TraceBackend, View};
@@ -41,12 +41,27 @@ pub struct Renderer {
     direct: Direct,
     picture: Picture,
     forward: Option<Forward>,
-    effects: Vec<(Choice, Box<dyn Effect>)>,
+    effects: Vec<Made>,
     pool: Pool,
 }
 
+/// A technique at work, with a device that counts its memory.
+struct Made {
+    choice: Choice,
+    device: Device,
+    effect: Box<dyn Effect>,
+}
+
+impl Made {
+    /// Its id, and the bytes of what it keeps and of the slots that its passes make.
+    fn bytes(&self, written: &[Slot], pool: &Pool) -> (&'static str, u64) {
+        let slots: u64 = written.iter().filter_map(|slot| pool.get(*slot)).map(Texture::bytes).sum();
+        (self.choice.technique.id, self.device.memory_bytes() + slots)
+    }
+}
+
 /// Slots that the first graph of a frame makes for those of the groups of lights.
-fn made_first() -> Vec<kajo_render_graph::Slot> {
+fn made_first() -> Vec<Slot> {
     TARGETS.into_iter().chain([slot::DEPTH, slot::BACKGROUND, slot::DIRECT]).collect()
 }
 
@@ -151,15 +166,16 @@ impl Renderer {
         self.upload_frame(&view, settings);
         let mut shadow = self.take_effect(roles, Role::DirectVisibility)?;
         let mut tone = self.take_effect(roles, Role::ToneMap)?;
-        let rendered = self.run(&view, settings, &mut *shadow.1, &mut *tone.1);
+        let rendered = self.run(&view, settings, &mut shadow, &mut tone);
         self.effects.extend([shadow, tone]);
         rendered
     }
 
-    fn run(&mut self, view: &View, settings: &FrameSettings, shadow: &mut dyn Effect, tone: &mut dyn Effect) -> Result<FrameOutput, Error> {
+    fn run(&mut self, view: &View, settings: &FrameSettings, shadow: &mut Made, tone: &mut Made) -> Result<FrameOutput, Error> {
         let device = self.device.clone();
         let mut pool = std::mem::take(&mut self.pool);
-        let rays_before = shadow.rays(&device)?;
+        let rays_before = shadow.effect.rays(&device)?;
+        let mut written = Vec::new();
         let mut visibility: Vec<Image<f32>> = Vec::new();
         let mut timings = Timings::default();
 
@@ -173,12 +189,13 @@ impl Renderer {
         let group = pool.lights() as usize;
         for start in (0..self.current.lights.len()).step_by(group) {
             let count = group.min(self.current.lights.len() - start);
-            let frame = self.context(view, settings, start, count);
-            shadow.prepare(&frame)?;
+            let frame = FrameContext { device: &shadow.device, ..self.context(view, settings, start, count) };
+            shadow.effect.prepare(&frame)?;
             self.direct.prepare(&frame);
             let mut graph = Graph::new();
             graph.import(&made_first());
-            shadow.record(&frame, &mut graph);
+            shadow.effect.record(&frame, &mut graph);
+            written = graph.written_by(shadow.choice.technique.id);
             self.direct.record(&frame, &mut graph);
             timings.merge(&graph.execute(&device, &mut pool)?);
             for layer in 0..count as u32 {
@@ -196,16 +213,17 @@ impl Renderer {
             timings.merge(&graph.execute(&device, &mut pool)?);
         }
 
-        let last = self.context(view, settings, 0, 0);
+        let last = FrameContext { device: &tone.device, ..self.context(view, settings, 0, 0) };
         let order = self.far_to_near(view);
-        tone.prepare(&last)?;
+        tone.effect.prepare(&last)?;
         let mut graph = Graph::new();
         graph.import(&made_first());
         self.picture.record(&last, &mut graph);
         if let (Some(forward), false) = (&self.forward, order.is_empty()) {
             forward.record_blended(&last, &order, &mut graph);
         }
-        tone.record(&last, &mut graph);
+        tone.effect.record(&last, &mut graph);
+        let displayed = graph.written_by(tone.choice.technique.id);
         timings.merge(&graph.execute(&device, &mut pool)?);
 
         let output = FrameOutput {
@@ -216,7 +234,8 @@ impl Renderer {
             gbuffer: if settings.gbuffer { Some(read::gbuffer(&device, &pool, view)?) } else { None },
             timings,
             memory_bytes: device.memory_bytes(),
-            rays: shadow.rays(&device)? - rays_before,
+            technique_bytes: vec![shadow.bytes(&written, &pool), tone.bytes(&displayed, &pool)],
+            rays: shadow.effect.rays(&device)? - rays_before,
             shaded_pixels: if self.current.lights.is_empty() { 0 } else { self.direct.shaded(&device)? },
             ignored: self.ignored(),
         };
@@ -225,18 +244,19 @@ impl Renderer {
     }
 
     /// The effect chosen for a role, taken out of those that were made before, or made now.
-    fn take_effect(&mut self, roles: &RoleSelection, role: Role) -> Result<(Choice, Box<dyn Effect>), Error> {
+    fn take_effect(&mut self, roles: &RoleSelection, role: Role) -> Result<Made, Error> {
         let choice = match roles.choice(role) {
             Some(choice) => choice.clone(),
             None => RoleSelection::default().choice(role).expect("every role that a frame needs has a default").clone(),
         };
-        if let Some(index) = self.effects.iter().position(|(known, _)| *known == choice) {
+        if let Some(index) = self.effects.iter().position(|made| made.choice == choice) {
             return Ok(self.effects.swap_remove(index));
         }
+        let device = self.device.counting_apart();
         let context =
-            MakeContext { device: &self.device, backend: self.backend, textures: self.textures.count(), bindless: self.textures.is_list() };
+            MakeContext { device: &device, backend: self.backend, textures: self.textures.count(), bindless: self.textures.is_list() };
         let effect = choice.technique.build(&context, &choice.params)?;
-        Ok((choice, effect))
+        Ok(Made { choice, device, effect })
     }
 
     fn view_of(&self, snapshot: &Snapshot) -> View {

@@ -34,7 +34,7 @@ impl TraceBackend {
 /// What stays the same for a scene: shaders depend on it.
 #[derive(Clone, Copy, Debug)]
 pub struct MakeContext<'a> {
-    /// The device.
+    /// The device; it counts the memory of the technique apart.
     pub device: &'a Device,
     /// Who traces rays.
     pub backend: TraceBackend,
@@ -84,7 +84,7 @@ pub enum Coverage {
 
 /// What changes with each frame, for one group of lights.
 pub struct FrameContext<'a> {
-    /// The device.
+    /// The device; it counts the memory of the technique apart.
     pub device: &'a Device,
     /// The camera.
     pub view: View,

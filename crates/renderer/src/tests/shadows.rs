@@ -173,6 +173,41 @@ fn noise_falls_and_rays_are_counted() {
     assert!(one_rays > 1000 && sixteen_rays > 14 * one_rays && sixteen_rays < 18 * one_rays, "{one_rays}, {sixteen_rays}");
 }
 
+/// What a technique keeps: its own textures and buffers and the image it fills, in every frame the same, and apart from other techniques.
+#[test]
+fn the_memory_of_a_technique_is_what_it_keeps() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(32, 18);
+    let spot = LightShape::Spot { inner: Radians(0.5), outer: Radians(0.75) };
+    let visibility = u64::from(size.x * size.y) * 4;
+    // Uniforms and counters.
+    let small = 16 << 10;
+    for (shape, faces) in [(spot, 1), (LightShape::Point, 6)] {
+        let scene = blocks(shape, Vec3::new(1.5, 4.0, 1.0));
+        let mut renderer = renderer(&device, &scene, size, None);
+        for (technique, resolution) in
+            [("shadow/none", 0), ("shadow/map", 256), ("shadow/ray-traced", 0), ("shadow/map", 512), ("shadow/none", 0)]
+        {
+            let side = resolution.to_string();
+            let params = if resolution > 0 { vec![("resolution", side.as_str())] } else { Vec::new() };
+            let roles = RoleSelection::new().choose(technique, &params).unwrap();
+            for index in 0..2 {
+                let out = renderer.render(&roles, &FrameSettings { index, ..Default::default() }).unwrap();
+                let (id, bytes) = out.technique_bytes[0];
+                let images = visibility + faces * resolution * resolution * 4;
+                assert_eq!(id, technique);
+                assert!(bytes >= images && bytes < images + small, "{id} {resolution} px, frame {index}: {bytes} B, {images} B of images");
+                assert_eq!(out.technique_bytes[1].0, "tone/agx");
+                assert!(
+                    (visibility..visibility + small).contains(&out.technique_bytes[1].1),
+                    "an 8-bit picture: {:?}",
+                    out.technique_bytes
+                );
+            }
+        }
+    }
+}
+
 /// Lights beyond one group are worked on in groups: the same picture.
 #[test]
 fn groups_of_lights_give_the_same_picture() {

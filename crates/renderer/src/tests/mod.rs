@@ -4,4 +4,5 @@ mod gbuffer;
 mod lighting;
 mod scenes;
 mod shadows;
+mod textures;
 mod tracing;

@@ -96,6 +96,10 @@ impl Textures {
             table.push([(texels.len() / 4) as u32, image.width, image.height, levels.len() as u32, code, 0, 0, 0]);
             levels.iter().for_each(|level| texels.extend(&level.bytes));
         }
+        if table.is_empty() {
+            // Shaders are bound to at least one entry, which nothing refers to.
+            table.push([0; 8]);
+        }
         let storage = wgpu::BufferUsages::STORAGE;
         Ok(Self::Buffer {
             table: device.buffer_with("texture table", &table, storage)?,

@@ -35,35 +35,37 @@ fn deferred_light_equals_forward_light() {
     }
 }
 
-/// Row R-03: a transparent quad over an opaque one is α · quad + (1 − α) · what lies behind.
+/// Row R-03: transparent quads over an opaque one are α · quad + (1 − α) · what lies behind, from the farthest to the nearest, with the radiance
+/// ρ/π · I cos θ / r² of a matt surface.
 #[test]
 fn a_transparent_quad_blends_as_arithmetic_says() {
     let device = Device::new().unwrap();
     let size = UVec2::new(33, 33);
-    let alpha = 0.4;
-    let scene = |near: bool, far: bool, mode| {
+    let (intensity, light_at) = (120.0, Vec3::new(1.0, 2.0, 4.0));
+    // In the order of the scene: the nearest first, so that the order of drawing is not that of the list.
+    let quads = [(2.0, Vec3::new(0.8, 0.1, 0.05), 2.0), (1.0, Vec3::new(0.1, 0.2, 0.9), 3.0), (0.0, Vec3::new(0.6, 0.6, 0.1), 8.0)];
+    for alphas in [[0.4, 0.0, 1.0], [0.0, 0.75, 1.0], [0.4, 0.75, 1.0], [0.9, 0.3, 1.0]] {
         let mut scene = Scene::default();
-        let red = Material { base_color: LinearRgb::new(0.8, 0.1, 0.05), alpha, alpha_mode: mode, ..lambert(0.5) };
-        if near {
-            place(&mut scene, shapes::rectangle(2.0, 2.0), red, Affine3A::from_translation(Vec3::Z));
+        for (&(z, color, side), alpha) in quads.iter().zip(alphas) {
+            let alpha_mode = if z > 0.0 { AlphaMode::Blend } else { AlphaMode::Opaque };
+            let material = Material { base_color: LinearRgb(color), alpha, alpha_mode, ..lambert(0.5) };
+            place(&mut scene, shapes::rectangle(side, side), material, Affine3A::from_translation(Vec3::Z * z));
         }
-        if far {
-            place(&mut scene, shapes::rectangle(4.0, 4.0), lambert(0.6), Affine3A::IDENTITY);
-        }
-        light(&mut scene, LightShape::Point, 20.0, Vec3::new(1.0, 2.0, 4.0), Vec3::NEG_Z);
+        light(&mut scene, LightShape::Point, intensity, light_at, Vec3::NEG_Z);
         camera(&mut scene, PERSPECTIVE, Vec3::Z * 5.0, Vec3::ZERO);
-        frame(&device, &scene, size, "shadow/none", &[]).color
-    };
-    let (behind, front) = (scene(false, true, AlphaMode::Opaque), scene(true, false, AlphaMode::Opaque));
-    let both = scene(true, true, AlphaMode::Blend);
-    let (mut worst, mut differs) = (0.0f32, 0.0f32);
-    for (x, y) in [(16, 16), (14, 18), (12, 12), (20, 17)] {
-        let (f, b) = (front.get(x, y).0, behind.get(x, y).0);
-        let expected = alpha * f + (1.0 - alpha) * b;
-        worst = worst.max((both.get(x, y).0 - expected).abs().max_element());
-        differs = differs.max((f - b).abs().max_element());
+        let color = frame(&device, &scene, size, "shadow/none", &[]).color;
+        for (x, y) in [(16, 16), (14, 18), (12, 12), (20, 17)] {
+            let ray = Vec3::new((x as f32 + 0.5) / 16.5 - 1.0, 1.0 - (y as f32 + 0.5) / 16.5, 0.0) * 0.35f32.tan() - Vec3::Z;
+            let expected = quads.iter().zip(alphas).rev().fold(Vec3::ZERO, |behind, (&(z, albedo, _), alpha)| {
+                let to_light = light_at - (Vec3::Z * 5.0 + ray * (5.0 - z));
+                let radiance = albedo / PI * intensity * to_light.normalize().z / to_light.length_squared();
+                alpha * radiance + (1.0 - alpha) * behind
+            });
+            let got = color.get(x, y).0;
+            assert!((got - expected).abs().max_element() <= 1.0 / 255.0, "{alphas:?} at ({x}, {y}): {got} instead of {expected}");
+            assert!(expected.max_element() > 0.8, "a fault of one part in a hundred is seen");
+        }
     }
-    assert!(worst <= 1.0 / 255.0 && differs > 0.1, "{worst}, the quads differ by {differs}");
 }
 
 /// Irradiance at the middle of a white floor.
@@ -122,6 +124,40 @@ fn irradiance_of_every_light_is_analytic() {
     for (name, shape, emission, position, direction, expected) in cases {
         let got = irradiance(&device, shape, emission, position, direction);
         assert!((got - expected).abs() <= 0.005 * expected, "{name}: {got} instead of {expected}");
+    }
+}
+
+/// Without shadows a light that stands half below the horizon of a surface still lights it with its upper half, and not at all from behind:
+/// V is the share above, and the lighting pass gives it back its light.
+#[test]
+fn without_shadows_only_the_horizon_hides_a_light() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(9, 9);
+    let rectangle = LightShape::Rectangle { width: Meters(0.5), height: Meters(1.0) };
+    let cases = [
+        ("in front", LightShape::Point, Vec3::new(0.0, 0.5, 2.0), 1.0),
+        ("behind", LightShape::Point, Vec3::new(0.0, 0.5, -2.0), 0.0),
+        ("sun in front", LightShape::Directional { half_angle: Radians(0.0) }, Vec3::new(0.0, 0.5, 2.0), 1.0),
+        ("sun behind", LightShape::Directional { half_angle: Radians(0.0) }, Vec3::new(0.0, 0.5, -2.0), 0.0),
+        ("disk of the sun, half set", LightShape::Directional { half_angle: Radians(0.2) }, Vec3::new(0.0, 3.0, 0.0), 0.5),
+        ("rectangle, a quarter above", rectangle, Vec3::new(0.0, 3.0, -0.25), 0.25),
+        ("sphere, half above", LightShape::Sphere { radius: Meters(0.4) }, Vec3::new(0.0, 3.0, 0.0), 0.5),
+    ];
+    for (name, shape, position, share) in cases {
+        let mut scene = Scene::default();
+        place(&mut scene, shapes::rectangle(1.0, 1.0), lambert(0.5), Affine3A::IDENTITY);
+        // Its shadow would cover everything.
+        place(&mut scene, shapes::rectangle(0.1, 0.1), lambert(0.5), Affine3A::from_translation(0.5 * position));
+        // The rectangle shines down, its height along z.
+        light(&mut scene, shape, 1.0, position, if shape == rectangle { Vec3::NEG_Y } else { -position });
+        camera(&mut scene, PERSPECTIVE, Vec3::Z * 0.5, Vec3::ZERO);
+        let out = frame(&device, &scene, size, "shadow/none", &[("samples", "256")]);
+        for (x, y) in [(3, 4), (4, 4), (5, 5)] {
+            let got = *out.visibility[0].get(x, y);
+            // The point is not quite below the middle of the light.
+            assert!((got - share).abs() <= if share == 0.0 || share == 1.0 { 0.0 } else { 0.02 }, "{name}: {got} instead of {share}");
+            assert_eq!(share == 0.0, out.direct.get(x, y).luminance() == 0.0, "{name}: lit where it is seen");
+        }
     }
 }
 

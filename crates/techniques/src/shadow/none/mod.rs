@@ -1,8 +1,12 @@
-//! No shadows.
+//! No cast shadows.
 
-use crate::{Effect, Error, FrameContext, Needs, Role, Technique};
-use kajo_render_graph::wgpu;
-use kajo_render_graph::{Access, Graph, slot};
+#[cfg(test)]
+mod tests;
+
+use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
+use kajo_params::{ParamValues, Params};
+use kajo_render_graph::wgpu::BufferUsages;
+use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Graph, PipelineOptions, slot};
 
 /// The technique.
 pub const TECHNIQUE: Technique = Technique {
@@ -11,36 +15,67 @@ pub const TECHNIQUE: Technique = Technique {
     title: "No shadows",
     doc: include_str!("doc.md"),
     cites: &[],
-    reads: &[],
+    reads: &[slot::DEPTH, slot::NORMAL],
     needs: Needs::NONE,
-    params: &[],
-    make: |_, _| Ok(Box::new(None)),
+    params: Params::SPEC,
+    make: |context, values| Ok(Box::new(Unoccluded::new(context, values)?)),
 };
 
-struct None;
+/// Its parameters.
+#[derive(Params, Clone, Copy, Debug)]
+pub struct Params {
+    /// Points of each light that has an extent, of which those above the horizon are counted.
+    #[param(default = 16, range = 1..=1024)]
+    pub samples: u32,
+}
 
-impl Effect for None {
-    fn prepare(&mut self, _: &FrameContext) -> Result<(), Error> {
+/// What the shader reads.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable, kajo_shader_lib::ShaderLayout)]
+struct GpuParams {
+    samples: u32,
+    first_light: u32,
+    light_count: u32,
+    _padding: u32,
+}
+
+struct Unoccluded {
+    params: Params,
+    pipeline: ComputePipeline,
+    uniform: Buffer,
+}
+
+impl Unoccluded {
+    fn new(context: &MakeContext, values: &ParamValues) -> Result<Self, Error> {
+        let shader = context.shader("shadow/none", include_str!("none.wesl"))?;
+        let options = PipelineOptions { list_length: context.textures, ..Default::default() };
+        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        Ok(Self {
+            params: Params::from_values(values),
+            pipeline: ComputePipeline::new(context.device, &shader, "look_above", options)?,
+            uniform: context.device.buffer("shadow/none", size_of::<GpuParams>() as u64, usage)?,
+        })
+    }
+}
+
+impl Effect for Unoccluded {
+    fn prepare(&mut self, frame: &FrameContext) -> Result<(), Error> {
+        let params =
+            GpuParams { samples: self.params.samples, first_light: frame.first_light, light_count: frame.lights.len() as u32, _padding: 0 };
+        self.uniform.write(&frame.device.queue, bytemuck::bytes_of(&params));
         Ok(())
     }
 
     fn record<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>) {
-        let lights = frame.lights.len() as u32;
-        graph.pass(Access::new("shadow/none").writes(&[slot::SHADOW_VISIBILITY]), move |pass| {
-            for layer in 0..lights {
-                let view = pass.texture(slot::SHADOW_VISIBILITY)?.layer(layer);
-                pass.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                    label: Some("shadow/none"),
-                    color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                        view: &view,
-                        depth_slice: Option::None,
-                        resolve_target: Option::None,
-                        ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::WHITE), store: wgpu::StoreOp::Store },
-                    })],
-                    ..Default::default()
-                });
-            }
-            Ok(())
+        let access = Access::new("shadow/none").reads(TECHNIQUE.reads).writes(&[slot::SHADOW_VISIBILITY]);
+        graph.pass(access, move |pass| {
+            let own = Bindings::new()
+                .with("params", &self.uniform)
+                .with("depth", pass.view(slot::DEPTH)?)
+                .with("normal", pass.view(slot::NORMAL)?)
+                .with("visibility", pass.view(slot::SHADOW_VISIBILITY)?);
+            let invocations = frame.size().extend(frame.lights.len() as u32);
+            self.pipeline.dispatch(pass.device, pass.encoder, &frame.shared, &own, invocations)
         });
     }
 }

@@ -51,6 +51,13 @@ pub enum Lobe<T> {
         /// Isotropy in (0, 1]; 1 is isotropic.
         p: T,
     },
+    /// Half vectors as the viewer sees GGX facets, without most of those that reflect below the surface.    [Heitz18], [Eto23]
+    VisibleGgx {
+        /// Width of slopes along x, in (0, 1].
+        alpha_x: T,
+        /// Width of slopes along y, in (0, 1].
+        alpha_y: T,
+    },
 }
 
 /// At most this many lobes make a mixture: a diffuse one, and as many as Lafortune's model has rows.
@@ -136,6 +143,14 @@ impl<T: Scalar> Lobe<T> {
                 let xi = T::one() - u;
                 mirror(wo, from_cos_phi((xi / (r - xi * r + xi)).sqrt(), quadrant_azimuth(v, T::one() / p.sqrt())))
             }
+            Self::VisibleGgx { alpha_x, alpha_y } => {
+                let stretched = V3::new(alpha_x * wo.x, alpha_y * wo.y, wo.z).normalized();
+                // A uniform point of the spherical cap; the half vector with it is visible.
+                let bound = visible_cap(alpha_x, alpha_y, wo) * stretched.z;
+                let point = from_cos_phi((T::one() - u) * (T::one() + bound) - bound, two_pi * v);
+                let h = point + stretched;
+                mirror(wo, V3::new(alpha_x * h.x, alpha_y * h.y, h.z.max(T::of(1e-18))).normalized())
+            }
         }
     }
 
@@ -173,8 +188,27 @@ impl<T: Scalar> Lobe<T> {
                 let azimuth = T::select(x2 + y2 > T::zero(), p.sqrt() * (x2 + y2) / (x2 + p * y2).max(T::of(1e-37)), T::one());
                 h.z * r * inverse_pi * azimuth / (x2 + y2 + r * h.z.squared()).squared()
             }),
+            Self::VisibleGgx { alpha_x, alpha_y } => half_vector_pdf(wi, wo, |h| {
+                let spread = (h.x / alpha_x).squared() + (h.y / alpha_y).squared() + h.z.squared();
+                let stretched = ((alpha_x * wo.x).squared() + (alpha_y * wo.y).squared() + wo.z.squared()).sqrt();
+                let bound = visible_cap(alpha_x, alpha_y, wo) * wo.z;
+                // Facets beyond the cap, which all reflect below the surface.
+                let over_cap = T::of(2.0) * wo.dot(h) * h.z / spread - wo.z + bound;
+                let scale =
+                    if wi.z <= T::zero() && over_cap < T::zero() { T::zero() } else { T::of(2.0) * wo.dot(h) / (bound + stretched) };
+                scale * inverse_pi / (alpha_x * alpha_y * spread.squared())
+            }),
         }
     }
+}
+
+/// Factor by which the cap of visible normals shrinks when only reflections above the surface count: (1 − a²)s²/(s² + a²z²), a the smaller width,
+/// s = 1 + √(1 − z²), z = wo.z.    [Eto23]
+#[inline]
+fn visible_cap<T: Scalar>(alpha_x: T, alpha_y: T, wo: V3<T>) -> T {
+    let a2 = alpha_x.min(alpha_y).squared();
+    let s2 = (T::one() + (wo.x.squared() + wo.y.squared()).sqrt()).squared();
+    (T::one() - a2) * s2 / (s2 + a2 * wo.z.squared())
 }
 
 /// The density of a direction whose half vector has density `pdf_h` on the upper hemisphere.
@@ -229,7 +263,7 @@ fn to_frame<T: Scalar>(axis: V3<T>, local: V3<T>) -> V3<T> {
 mod tests {
     use super::*;
 
-    const LOBES: [Lobe<f64>; 11] = [
+    const LOBES: [Lobe<f64>; 13] = [
         Lobe::Cosine,
         Lobe::Power { axis: V3 { x: 0.6, y: 0.0, z: 0.8 }, n: 0.0 },
         Lobe::Power { axis: V3 { x: 0.6, y: 0.0, z: 0.8 }, n: 30.0 },
@@ -241,6 +275,8 @@ mod tests {
         Lobe::Rational { r: 0.4, p: 1.0 },
         Lobe::Rational { r: 0.05, p: 1.0 },
         Lobe::Rational { r: 0.1, p: 0.3 },
+        Lobe::VisibleGgx { alpha_x: 0.1, alpha_y: 0.5 },
+        Lobe::VisibleGgx { alpha_x: 1.0, alpha_y: 1.0 },
     ];
 
     /// Sorts samples and the integral of the density into the same cells and returns the worst deviation in standard deviations.

@@ -12,8 +12,10 @@ pub(crate) mod testing;
 mod vector;
 
 pub mod ashikhmin_shirley;
+pub mod blocks;
 pub mod lambert;
 pub mod phong;
+pub mod principled;
 pub mod schlick;
 pub mod ward;
 
@@ -24,8 +26,16 @@ pub use real::{Real, Scalar};
 pub use vector::{Rgb, V3};
 
 /// Every model, in the order of every list.
-const ALL: &[&ModelEntry] =
-    &[&lambert::MODEL, &phong::BRDF, &phong::BSF, &ward::MODEL, &schlick::SINGLE, &schlick::DOUBLE, &ashikhmin_shirley::MODEL];
+const ALL: &[&ModelEntry] = &[
+    &lambert::MODEL,
+    &phong::BRDF,
+    &phong::BSF,
+    &ward::MODEL,
+    &schlick::SINGLE,
+    &schlick::DOUBLE,
+    &ashikhmin_shirley::MODEL,
+    &principled::MODEL,
+];
 
 /// Every model.
 pub fn all() -> impl Iterator<Item = &'static ModelEntry> {
@@ -54,5 +64,17 @@ mod tests {
         assert!(folders == listed, "a folder with doc.md and a line in ALL belong together");
         let ids: BTreeSet<_> = all().map(|model| model.id).collect();
         assert_eq!(ids.len(), all().count(), "an id names one model");
+    }
+
+    #[test]
+    fn citations_have_entries() {
+        let bibliography = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/references.bib")).unwrap();
+        let missing = |key: &str| !bibliography.contains(&format!("{{{key},"));
+        for model in all() {
+            for key in model.cites {
+                assert!(!missing(key), "{}: no entry {key} in docs/references.bib", model.id);
+            }
+        }
+        assert!(missing("Nobody99"), "planted fault");
     }
 }

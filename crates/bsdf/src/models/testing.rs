@@ -106,7 +106,7 @@ pub fn masses(pdf: impl Fn(V3<f64>) -> f64) -> (f64, f64) {
 /// p-value of χ²: do samples seen from θ_r, φ_r (degrees) follow `pdf`? Samples of weight 0 are a cell of their own.
 pub fn chi_square(model: &dyn Reflectance, pdf: impl Fn(DVec3, DVec3) -> f64, theta_r: f64, phi_r: f64) -> f64 {
     use std::f64::consts::{FRAC_PI_2, TAU};
-    let (rows, columns, fine, samples) = (12, 24, 40, 200_000_u32);
+    let (rows, columns, fine, samples) = (12, 24, 24, 200_000_u32);
     let wo = DVec3::from(V3::from_angles(theta_r.to_radians(), phi_r.to_radians()));
     let mut expected = vec![0.0; rows * columns + 1];
     for i in 0..rows * fine {

@@ -1,6 +1,6 @@
 //! Schlick's model by rational functions: one layer (`schlick-single`), or a translucent one over an opaque one (`schlick-double`).
 
-use crate::models::{Claims, Evaluate, Form, Geometry, Kind, Lobe, Mixture, Model, ModelEntry, Parameters, Real, Rgb, Scalar, V3, make};
+use crate::models::{Claims, Evaluate, Form, Geometry, Kind, Mixture, Model, ModelEntry, Parameters, Real, Rgb, Scalar, V3, make};
 use kajo_params::{ParamChoice, Params};
 
 mod layer;

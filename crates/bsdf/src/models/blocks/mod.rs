@@ -1,0 +1,3 @@
+//! What models are built from.
+
+pub mod survey_pdfs;

@@ -3,6 +3,7 @@
 //! Directions are in the local shading frame (z is the normal), `wo` points to the viewer and `wi` to the light; see
 //! `docs/conventions.md`.
 
+mod any;
 mod classic;
 mod fresnel;
 mod layered;
@@ -14,6 +15,7 @@ pub mod tables;
 mod thin_film;
 mod vector;
 
+pub use any::{AnyBsdf, AnyBsdfView, ModelView};
 pub use classic::{blinn_phong, lambert, phong, phong_lobe};
 pub use fresnel::{
     f0_from_ior, fresnel_conductor, fresnel_dielectric, fresnel_schlick, fresnel_schlick_average, ior_from_f0, schlick_weight,

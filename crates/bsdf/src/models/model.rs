@@ -139,6 +139,8 @@ pub trait Model: Sized + 'static {
     type Formula<T: Real>: Evaluate<T>;
     /// What its value means.
     const KIND: Kind;
+    /// It has no highlight: light-path roles count it as diffuse, every other model as specular.
+    const DIFFUSE: bool = false;
 
     /// Parameters that do not go together, in one sentence.
     ///
@@ -173,6 +175,8 @@ pub trait Model: Sized + 'static {
 pub trait Reflectance: Send + Sync {
     /// What [`Reflectance::value`] means.
     fn kind(&self) -> Kind;
+    /// Light-path roles count it as diffuse.
+    fn is_diffuse(&self) -> bool;
     /// f in 1/sr, or S.
     fn value(&self, wi: DVec3, wo: DVec3) -> DVec3;
     /// [`Reflectance::value`] in the precision of images.
@@ -249,6 +253,10 @@ fn sample_above<M: Model, T: Scalar>(formula: &M::Formula<T>, wo: V3<T>, [choice
 impl<M: Model> Reflectance for Prepared<M> {
     fn kind(&self) -> Kind {
         M::KIND
+    }
+
+    fn is_diffuse(&self) -> bool {
+        M::DIFFUSE
     }
 
     fn value(&self, wi: DVec3, wo: DVec3) -> DVec3 {

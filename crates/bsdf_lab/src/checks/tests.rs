@@ -38,6 +38,9 @@ fn wrong_densities_and_wrong_weights_are_noticed() {
         fn kind(&self) -> Kind {
             self.0.kind()
         }
+        fn is_diffuse(&self) -> bool {
+            self.0.is_diffuse()
+        }
         fn value(&self, wi: DVec3, wo: DVec3) -> DVec3 {
             self.0.value(wi, wo)
         }

@@ -108,6 +108,8 @@ pub struct MaterialTable {
     pub name: String,
     pub asset: Option<String>,
     pub model: Option<String>,
+    pub params: Option<toml::Table>,
+    pub form: Option<FormName>,
     pub base_color: Option<Color>,
     pub alpha: Option<f32>,
     pub base_color_texture: Option<TextureValue>,
@@ -154,6 +156,14 @@ pub struct MaterialTable {
     pub iridescence_thickness: Option<[f32; 2]>,
     pub iridescence_thickness_texture: Option<TextureValue>,
     pub dispersion: Option<f32>,
+}
+
+/// `form` of a material's model.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum FormName {
+    Corrected,
+    Printed,
 }
 
 /// `alpha_mode` of a material.

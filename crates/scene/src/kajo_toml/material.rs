@@ -15,8 +15,8 @@ pub type AddTexture<'a> = dyn FnMut(&TextureTable, [Wrap; 2], Filter, ColorSpace
 
 /// Replaces the fields that the table has.
 pub fn apply(table: &Table, values: &MaterialTable, material: &mut Material, add_texture: &mut AddTexture) -> Result<(), SceneError> {
-    if let Some(model) = &values.model {
-        return Err(table.error(format!("`model = \"{model}\"`: materials other than glTF's are not available; remove it")));
+    if values.model.is_none() && (values.params.is_some() || values.form.is_some()) {
+        return Err(table.error("`params` and `form` belong to a `model`; name one, e.g. `model = \"ward\"`"));
     }
     let number = |key: &str, slot: &mut f32, value: Option<f32>, range: RangeInclusive<f32>| match value {
         Some(value) => table.number(key, value, range).map(|value| *slot = value),

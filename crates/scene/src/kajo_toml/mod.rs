@@ -5,6 +5,7 @@ mod format;
 mod light;
 mod material;
 mod placement;
+mod reflectance;
 mod source;
 #[cfg(test)]
 mod tests;
@@ -218,8 +219,12 @@ impl Composer<'_> {
             let known: Vec<&str> = range.map(|index| self.scene.materials[index].name.as_str()).collect();
             return Err(table.error(unknown("material", &values.name, &known)));
         }
+        let model = reflectance::read(table, values, &|file| self.path(table, file))?;
         for index in matching {
             let mut material = self.scene.materials[index].clone();
+            if model.is_some() {
+                material.model.clone_from(&model);
+            }
             material::apply(table, values, &mut material, &mut |texture, wrap, filter, color_space| {
                 self.texture(table, texture, wrap, filter, color_space)
             })?;

@@ -278,10 +278,22 @@ fn names_that_do_not_exist_are_answered_with_the_nearest() {
 }
 
 #[test]
-fn other_material_models_are_refused_for_now() {
-    let text = "[[asset]]\nfile = \"builtin:cornell\"\n[[material]]\nname = \"red\"\nmodel = \"ward\"\n";
-    let message = with_builtins(text).unwrap_err().to_string();
-    assert!(message.contains("materials other than glTF's are not available"), "{message}");
+fn a_material_may_be_any_model_of_the_library() {
+    let with = |model: &str| with_builtins(&format!("[[asset]]\nfile = \"builtin:cornell\"\n[[material]]\nname = \"red\"\n{model}\n"));
+    let scene = with("model = \"phong\"\nparams = { kd = [0.1, 0.2, 0.3], ks = 0.5, n = 20 }").unwrap();
+    let model = scene.materials.iter().find(|m| m.name == "red").unwrap().model.clone().unwrap();
+    assert_eq!(format!("{model:?}"), "phong kd=0.1,0.2,0.3,ks=0.5,n=20 Corrected");
+    assert!(scene.materials.iter().filter(|m| m.name != "red").all(|m| m.model.is_none()));
+    for (text, says) in [
+        ("model = \"fong\"", "did you mean \"phong\"?"),
+        ("model = \"phong\"\nparams = { n = -1 }", "parameter `n` is -1; it must be from 0 to"),
+        ("model = \"phong\"\nparams = { m = 1 }", "no parameter `m`"),
+        ("model = \"phong\"\nparams = { n = 2024-01-01 }", "give a number"),
+        ("params = { n = 1 }", "belong to a `model`"),
+    ] {
+        let message = with(text).unwrap_err().to_string();
+        assert!(message.contains(says) && message.contains("material \"red\""), "{text}: {message}");
+    }
 }
 
 #[test]

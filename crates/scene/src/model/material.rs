@@ -1,6 +1,6 @@
 //! The glTF 2.0 material with its ratified extensions: factors, and textures that multiply them.
 
-use crate::TextureRef;
+use crate::{ReflectanceModel, TextureRef};
 use kajo_units::{LinearRgb, Radians};
 
 /// How alpha is used.
@@ -72,6 +72,8 @@ pub struct Material {
     pub iridescence_thickness: [f32; 2],
     pub iridescence_thickness_texture: Option<TextureRef>,
     pub dispersion: f32,
+    /// A model of the library instead of the reflection that the fields above describe; glTF has none, `.kajo.toml` does.
+    pub model: Option<ReflectanceModel>,
 }
 
 impl Default for Material {
@@ -123,6 +125,7 @@ impl Default for Material {
             iridescence_thickness: [100.0, 400.0],
             iridescence_thickness_texture: None,
             dispersion: 0.0,
+            model: None,
         }
     }
 }

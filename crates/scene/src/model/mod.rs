@@ -8,6 +8,7 @@ mod light;
 mod material;
 mod mesh;
 mod node;
+mod reflectance;
 mod texture;
 
 pub use animation::{Animation, Channel, Interpolation, Property};
@@ -18,6 +19,7 @@ pub use light::{Light, LightShape};
 pub use material::{AlphaMode, Material};
 pub use mesh::{Mesh, MorphTarget, SkinWeights};
 pub use node::{Node, Skin, Transform};
+pub use reflectance::ReflectanceModel;
 pub use texture::{ColorSpace, Filter, Texels, Texture, TextureImage, TextureRef, Wrap};
 
 use std::sync::Arc;

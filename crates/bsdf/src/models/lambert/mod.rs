@@ -50,6 +50,7 @@ impl Model for Lambert {
     type Params = Params;
     type Formula<T: Real> = Formula<T>;
     const KIND: Kind = Kind::Brdf;
+    const DIFFUSE: bool = true;
 
     fn formula<T: Real>(params: &Params, _form: Form) -> Formula<T> {
         Formula { f: Rgb::of(params.kd.map(|k| k * FRAC_1_PI)) }

@@ -23,6 +23,7 @@ mod fingerprint;
 mod frame;
 mod integrator;
 mod lights;
+mod ray_start;
 mod record;
 mod render;
 mod settings;

@@ -7,11 +7,6 @@
 //! horizon but below the geometric surface is folded back: mirrored at the geometric surface, f'(ωi) = f(ωi) + f(mirror ωi). So a
 //! white surface stays white, nothing leaks through the surface, and no energy is gained; both estimators see the same f'.
 //! Transmissive surfaces are not folded, for they have a far side: there, directions on which the two normals disagree carry no light.
-//!
-//! # Terminator
-//! On coarse meshes with smooth normals the facets shadow themselves near the terminator. Rays that leave on the viewer's side
-//! start on a smoother surface: the point is lifted to the mean of its projections on the vertices' tangent planes [Hanika21].
-//! Flat-shaded triangles are not moved.
 
 use crate::lights::Lights;
 use crate::world::{MaterialInfo, Placed, World, interpolate};
@@ -42,8 +37,8 @@ pub(crate) struct Surface<'a> {
     frame_side: f32,
     /// Light may pass to the far side.
     transmissive: bool,
-    /// The point lifted off a coarse mesh, equal to `point.position` where nothing is lifted.
-    lifted: Vec3,
+    /// Where rays to the viewer's side start, and from where lights are looked at.
+    pub origin_in_front: Vec3,
 }
 
 /// Least cosine between the bent mirror direction and the geometric surface: keeps it clear of rounding.
@@ -90,11 +85,7 @@ impl<'a> Surface<'a> {
             material.params.clearcoat_normal = frame.to_local(coat).normalize_or(Vec3::Z);
         }
         let prepared = info.bsdf.as_ref().filter(|_| matches!(material, Cow::Borrowed(_)));
-        let lifted = if lift && !placed.flat && !material_transmits {
-            placed.lifted(hit.primitive, weights, point.position, side)
-        } else {
-            point.position
-        };
+        let origin_in_front = world.ray_start(hit, &point, geometric_normal, wo, lift && !material_transmits);
         Some(Self {
             point,
             primitive: hit.primitive_ref(),
@@ -106,7 +97,7 @@ impl<'a> Surface<'a> {
             frame,
             frame_side,
             transmissive: material_transmits,
-            lifted,
+            origin_in_front,
         })
     }
 
@@ -134,12 +125,6 @@ impl<'a> Surface<'a> {
         world.scene.materials[self.material_index as usize].unlit
     }
 
-    /// Where rays to the viewer's side start, and from where lights are looked at.
-    #[inline]
-    pub(crate) fn origin_in_front(&self) -> Vec3 {
-        offset_origin(self.lifted, self.geometric_normal, self.point.error)
-    }
-
     /// The start of rays to the viewer's side from the triangle itself, as a technique that knows no better position starts them.
     #[inline]
     pub(crate) fn origin_flat(&self) -> Vec3 {
@@ -148,8 +133,12 @@ impl<'a> Surface<'a> {
 
     /// Where a ray towards `direction` starts.
     #[inline]
-    pub(crate) fn origin_towards(&self, direction: Vec3) -> Vec3 {
-        if direction.dot(self.geometric_normal) > 0.0 { self.origin_in_front() } else { self.point.ray_origin(direction) }
+    pub(crate) fn origin_towards(&self, world: &World, direction: Vec3) -> Vec3 {
+        if direction.dot(self.geometric_normal) > 0.0 {
+            self.origin_in_front
+        } else {
+            world.ray_start_beyond(self.primitive, &self.point, self.geometric_normal, self.origin_in_front)
+        }
     }
 
     /// f · |cos θ| and density of the BSDF towards the world direction `wi`, folded as the module says.
@@ -259,17 +248,5 @@ impl Placed {
         let down = (e2 * d1.x - e1 * d2.x) * determinant.signum();
         let frame = Frame::from_z_tangent(normal, tangent);
         (frame, if frame.y.dot(-down) < 0.0 { -1.0 } else { 1.0 })
-    }
-
-    /// The point raised to the mean of its projections on those tangent planes of the vertices that lie above it.    [Hanika21]
-    fn lifted(&self, primitive: u32, weights: [f32; 3], position: Vec3, side: f32) -> Vec3 {
-        let corners = self.world_triangle(primitive);
-        let indices = self.mesh.indices[primitive as usize];
-        let mut lift = Vec3::ZERO;
-        for ((corner, index), weight) in corners.into_iter().zip(indices).zip(weights) {
-            let normal = side * (self.normal_from_object * self.mesh.normals[index as usize]).normalize_or_zero();
-            lift -= weight * (position - corner).dot(normal).min(0.0) * normal;
-        }
-        position + lift
     }
 }

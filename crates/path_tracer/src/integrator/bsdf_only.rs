@@ -50,7 +50,7 @@ impl Context<'_> {
             if sample.lobe.contains(Lobe::TRANSMIT) && !surface.material.params.thin {
                 absorption = if surface.front { surface.material.absorption } else { LinearRgb::BLACK };
             }
-            ray = open_ray(surface.origin_towards(wi), wi);
+            ray = open_ray(surface.origin_towards(self.world, wi), wi);
             hit = self.world.closest(&ray, Some(surface.primitive), chance.next());
         }
     }

@@ -122,7 +122,7 @@ impl Context<'_> {
         if self.max_depth < 2 || direction.dot(surface.geometric_normal) <= 0.0 {
             return LinearRgb::BLACK;
         }
-        let ray = open_ray(surface.origin_in_front(), direction);
+        let ray = open_ray(surface.origin_in_front, direction);
         let hit = self.world.closest(&ray, Some(surface.primitive), chance.next());
         let mut reflected = Reflected::default();
         let inner = Context { max_depth: self.max_depth - 1, ..*self };

@@ -95,7 +95,7 @@ impl Context<'_> {
             if sample.lobe.contains(Lobe::TRANSMIT) && !surface.material.params.thin {
                 absorption = if surface.front { surface.material.absorption } else { LinearRgb::BLACK };
             }
-            ray = open_ray(surface.origin_towards(wi), wi);
+            ray = open_ray(surface.origin_towards(self.world, wi), wi);
             hit = self.world.closest(&ray, Some(surface.primitive), chance.next());
         }
     }
@@ -114,7 +114,7 @@ impl Context<'_> {
         chance: &mut Chance,
         sink: &mut impl Sink,
     ) {
-        let Some(chosen) = self.lights.sample(self.world, surface.origin_in_front(), choice, u) else { return };
+        let Some(chosen) = self.lights.sample(self.world, surface.origin_in_front, choice, u) else { return };
         let wi = chosen.sample.wi;
         let (f_cos, bsdf_pdf) = surface.eval(bsdf, wi);
         let value = chosen.value * transmittance(absorption, chosen.sample.distance.min(f32::MAX));
@@ -132,7 +132,7 @@ impl Context<'_> {
             Strategy::Lights => 1.0,
         };
         let t_max = chosen.sample.distance * BEFORE_LIGHT;
-        let ray = Ray { origin: surface.origin_towards(wi), t_min: 0.0, direction: wi, t_max };
+        let ray = Ray { origin: surface.origin_towards(self.world, wi), t_min: 0.0, direction: wi, t_max };
         if !self.world.occluded(&ray, chosen.primitive, chance.next()) {
             sink.light(bounces + 1, chosen.light, share.scaled(LinearRgb::splat(weight)));
         }

@@ -6,6 +6,7 @@ mod determinism;
 mod direct_light;
 mod estimators;
 mod furnace;
+mod leaks;
 mod rays;
-mod scenes;
+pub(crate) mod scenes;
 mod visibility;

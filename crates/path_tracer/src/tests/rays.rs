@@ -73,7 +73,7 @@ fn follow(tracer: &Tracer, origin: Vec3, direction: Vec3, lobe: f32, until: u32)
         let bsdf = surface.bsdf();
         let sample = bsdf.sample(surface.frame.to_local(-ray.direction), lobe, Vec2::splat(0.5)).expect("a smooth lobe");
         let wi = surface.direction_of(&sample).expect("a direction on the right side");
-        ray = Ray::new(surface.origin_towards(wi), wi);
+        ray = Ray::new(surface.origin_towards(&tracer.world, wi), wi);
         leaving = Some(surface.primitive);
     }
     (points, ray.direction)

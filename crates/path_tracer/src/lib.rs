@@ -9,7 +9,7 @@
 //! reflection and transmission; absorption inside of volumes. Depth d counts surface bounces: 0 is emission, 1 direct light.
 //!
 //! # What is not
-//! Participating media, subsurface scattering, dispersion into wavelengths; shadow rays do not refract (caustics are found by BSDF sampling
+//! Participating media, subsurface scattering, wavelengths (dispersion bends the three channels); shadow rays do not refract (caustics are found by BSDF sampling
 //! alone); analytic lights neither block nor scatter light; nothing is clamped.
 
 mod aov;

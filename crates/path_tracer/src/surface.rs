@@ -8,6 +8,7 @@
 //! white surface stays white, nothing leaks through the surface, and no energy is gained; both estimators see the same f'.
 //! Transmissive surfaces are not folded, for they have a far side: there, directions on which the two normals disagree carry no light.
 
+use crate::integrator::dispersion::Channel;
 use crate::lights::Lights;
 use crate::world::{MaterialInfo, Placed, World, interpolate};
 use glam::{Vec2, Vec3};
@@ -110,12 +111,22 @@ impl<'a> Surface<'a> {
         emits.then(|| Some((lights.of_instance(self.primitive.instance)?, self.material.emission))).flatten()
     }
 
-    /// The BSDF at the point.
+    /// The BSDF at the point for light of one channel, or of all.
     #[inline]
-    pub(crate) fn bsdf(&self) -> Cow<'a, Bsdf> {
-        match self.prepared {
-            Some(bsdf) => Cow::Borrowed(bsdf),
-            None => Cow::Owned(Bsdf::new(&self.material.params)),
+    pub(crate) fn bsdf(&self, channel: Channel) -> Cow<'a, Bsdf> {
+        match (self.prepared, channel) {
+            (_, Some(channel)) if self.disperses() => Cow::Owned(Bsdf::new(&self.material.params.for_channel(channel))),
+            (Some(bsdf), _) => Cow::Borrowed(bsdf),
+            (None, _) => Cow::Owned(Bsdf::new(&self.material.params)),
+        }
+    }
+
+    /// True when the channels refract differently.
+    #[inline]
+    pub(crate) fn disperses(&self) -> bool {
+        self.transmissive && self.material.params.dispersion > 0.0 && {
+            let iors = self.material.params.channel_iors();
+            iors.x != iors.z
         }
     }
 

@@ -3,6 +3,7 @@
 //! It looks for light by running into it, weighs nothing and chooses no light, so an error in light tables, densities or weights of
 //! the path tracer shows as a difference between the two. Point, spot and parallel lights are invisible to it.
 
+use super::dispersion::disperse;
 use super::{Chance, Context, Sink, Split, TracedRay, open_ray, transmittance};
 use crate::surface::Surface;
 use kajo_bsdf::Lobe;
@@ -13,10 +14,10 @@ impl Context<'_> {
     /// Follows the path that starts with `start` until it leaves the scene or reaches the depth limit.
     pub(crate) fn bsdf_only(&self, start: TracedRay, sampler: &mut Sampler, chance: &mut Chance, sink: &mut impl Sink) {
         let TracedRay { mut ray, mut hit } = start;
-        let (mut diffuse, mut specular) = (LinearRgb::WHITE, LinearRgb::BLACK);
+        let mut throughput = Split::CAMERA;
+        let mut channel = None;
         let mut absorption = LinearRgb::BLACK;
         for bounces in 0..=self.max_depth {
-            let throughput = Split { diffuse, specular };
             self.lights.along(ray.origin, ray.direction, hit.map_or(f32::INFINITY, |hit| hit.t), |t, seen| {
                 if t > ray.t_min {
                     sink.light(bounces, seen.light, throughput.scaled(seen.radiance * transmittance(absorption, t)));
@@ -38,15 +39,15 @@ impl Context<'_> {
                 return;
             }
             sampler.start_bounce(bounces);
-            let bsdf = surface.bsdf();
+            let bsdf = surface.bsdf(channel);
             let Some(sample) = bsdf.sample(surface.frame.to_local(wo), sampler.next_1d(), sampler.next_2d()) else { return };
             let Some(wi) = surface.direction_of(&sample) else { return };
-            (diffuse, specular) = if bounces == 0 {
-                (passed * sample.weight.diffuse, passed * sample.weight.specular)
+            throughput = if bounces == 0 {
+                Split { diffuse: passed * sample.weight.diffuse, specular: passed * sample.weight.specular }
             } else {
-                let weight = passed * sample.weight.total();
-                (diffuse * weight, specular * weight)
+                throughput.scaled(passed * sample.weight.total())
             };
+            disperse(&surface, sample.weight, &mut channel, &mut throughput, sampler);
             if sample.lobe.contains(Lobe::TRANSMIT) && !surface.material.params.thin {
                 absorption = if surface.front { surface.material.absorption } else { LinearRgb::BLACK };
             }

@@ -2,6 +2,7 @@
 
 pub(crate) mod ambient;
 pub(crate) mod bsdf_only;
+pub(crate) mod dispersion;
 pub(crate) mod first_hit;
 pub(crate) mod path;
 

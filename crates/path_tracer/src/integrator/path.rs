@@ -8,6 +8,7 @@
 //! Transmissive surfaces block shadow rays, so caustics come from BSDF sampling alone. A volume absorbs by the Beer-Lambert law
 //! between entering and leaving it; volumes do not nest: leaving any surface outwards ends the absorption.
 
+use super::dispersion::disperse;
 use super::{Chance, Context, Sink, Split, TracedRay, open_ray, transmittance};
 use crate::settings::Strategy;
 use crate::surface::Surface;
@@ -32,6 +33,7 @@ impl Context<'_> {
         let mut absorption = LinearRgb::BLACK;
         // Radiance is compressed inside of denser media; roulette must not take that for darkness.
         let mut compression = 1.0;
+        let mut channel = None;
         loop {
             let t_max = hit.map_or(f32::INFINITY, |hit| hit.t);
             self.lights.along(ray.origin, ray.direction, t_max, |t, seen| {
@@ -62,7 +64,7 @@ impl Context<'_> {
                 return;
             }
 
-            let bsdf = surface.bsdf();
+            let bsdf = surface.bsdf(channel);
             let view = bsdf.view(surface.frame.to_local(wo));
             sampler.start_bounce(dimensions + bounces);
             let (choice, on_light) = (sampler.next_1d(), sampler.next_2d());
@@ -79,6 +81,7 @@ impl Context<'_> {
             } else {
                 throughput.scaled(sample.weight.total())
             };
+            disperse(&surface, sample.weight, &mut channel, &mut throughput, sampler);
             bounces += 1;
             ray_pdf = if sample.lobe.is_delta() { f32::INFINITY } else { surface.pdf_of(&view, &sample, wi) };
             compression *= sample.eta2;

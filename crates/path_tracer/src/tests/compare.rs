@@ -9,22 +9,23 @@ use kajo_sampling::SamplerKind;
 /// error. With independent samples, z is about normally distributed. Differences below a thousandth of the picture's mean do not count:
 /// in the dark an estimator may have found nothing yet and think it knows.
 pub(crate) fn largest_block_z(a: &Frame, b: &Frame, block: u32) -> f64 {
+    (0..3).map(|channel| largest_channel_z(a, b, block, channel)).fold(0.0, f64::max)
+}
+
+/// The same over one channel.
+pub(crate) fn largest_channel_z(a: &Frame, b: &Frame, block: u32, channel: usize) -> f64 {
     assert_eq!(a.size, b.size);
     let (mut largest, negligible) = (0.0f64, f64::from(block * block) * 1e-3 * super::scenes::mean(a));
     for by in 0..a.size.y / block {
         for bx in 0..a.size.x / block {
-            let (mut difference, mut variance) = ([0.0f64; 3], [0.0f64; 3]);
+            let (mut difference, mut variance) = (0.0f64, 0.0f64);
             for i in 0..block * block {
                 let (x, y) = (bx * block + i % block, by * block + i / block);
-                for c in 0..3 {
-                    difference[c] += f64::from(a.beauty().get(x, y)[c] - b.beauty().get(x, y)[c]);
-                    variance[c] += f64::from(a.beauty_variance().get(x, y)[c] + b.beauty_variance().get(x, y)[c]);
-                }
+                difference += f64::from(a.beauty().get(x, y)[channel] - b.beauty().get(x, y)[channel]);
+                variance += f64::from(a.beauty_variance().get(x, y)[channel] + b.beauty_variance().get(x, y)[channel]);
             }
-            for c in 0..3 {
-                if difference[c].abs() > negligible {
-                    largest = largest.max(difference[c].abs() / variance[c].sqrt());
-                }
+            if difference.abs() > negligible {
+                largest = largest.max(difference.abs() / variance.sqrt());
             }
         }
     }

@@ -4,6 +4,7 @@ mod aovs;
 mod compare;
 mod determinism;
 mod direct_light;
+mod dispersion;
 mod estimators;
 mod furnace;
 mod leaks;

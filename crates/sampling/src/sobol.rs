@@ -1,7 +1,8 @@
-//! The first two dimensions of Sobol's sequence without direction tables.
+//! The first three dimensions of Sobol's sequence.
 //!
 //! Dimension one is the bit reversal of the index. Dimension two multiplies the index by Pascal's triangle modulo 2, which is
-//! the five-fold Kronecker power of [[1, 1], [0, 1]] and therefore a butterfly of five masked shifts.
+//! the five-fold Kronecker power of [[1, 1], [0, 1]] and therefore a butterfly of five masked shifts. Dimension three takes its
+//! matrix from a table, a byte of the index at a time.
 
 use crate::bits::{scramble_reversed, unit_f32};
 use glam::Vec2;
@@ -16,6 +17,48 @@ pub(crate) fn pascal(mut index: u32) -> u32 {
     index ^ ((index >> 1) & 0x5555_5555)
 }
 
+/// XOR of the direction numbers of dimension three, bits reversed, for each value of each byte of the index.
+static THIRD: [[u32; 256]; 4] = third_dimension();
+
+/// Primitive polynomial x² + x + 1, m = 1, 3: m_k = 2 m_{k−1} ⊕ 4 m_{k−2} ⊕ m_{k−2}, v_k = m_k 2^(32−k).    [Joe08]
+const fn third_dimension() -> [[u32; 256]; 4] {
+    let mut reversed = [0u32; 32];
+    let (mut older, mut newer) = (1u32, 3u32);
+    let mut k = 0;
+    while k < 32 {
+        // older = m_{k+1}; as a fraction its lowest bit stands k + 1 places behind the point.
+        reversed[k] = (older << (31 - k)).reverse_bits();
+        let next = (newer << 1) ^ (older << 2) ^ older;
+        older = newer;
+        newer = next;
+        k += 1;
+    }
+    let mut table = [[0u32; 256]; 4];
+    let mut byte = 0;
+    while byte < 4 {
+        let mut value = 0;
+        while value < 256 {
+            let mut bit = 0;
+            while bit < 8 {
+                if value >> bit & 1 == 1 {
+                    table[byte][value] ^= reversed[8 * byte + bit];
+                }
+                bit += 1;
+            }
+            value += 1;
+        }
+        byte += 1;
+    }
+    table
+}
+
+/// The third Sobol coordinate with its bits reversed.
+#[inline]
+fn third(index: u32) -> u32 {
+    let [a, b, c, d] = index.to_le_bytes().map(usize::from);
+    THIRD[0][a] ^ THIRD[1][b] ^ THIRD[2][c] ^ THIRD[3][d]
+}
+
 /// Point `index` of the two-dimensional Sobol sequence, a (0, 2)-sequence in base 2.    [Sobol67]
 #[inline]
 pub fn sobol_2d(index: u32) -> Vec2 {
@@ -28,10 +71,10 @@ pub(crate) fn sobol_2d_scrambled(index: u32, seed_x: u32, seed_y: u32) -> Vec2 {
     Vec2::new(unit_f32(scramble_reversed(index, seed_x).reverse_bits()), unit_f32(scramble_reversed(pascal(index), seed_y).reverse_bits()))
 }
 
-/// The first coordinate of [`sobol_2d_scrambled`].
+/// The third coordinate beside the two of [`sobol_2d_scrambled`]; by itself as well stratified as they are.
 #[inline]
-pub(crate) fn sobol_1d_scrambled(index: u32, seed: u32) -> f32 {
-    unit_f32(scramble_reversed(index, seed).reverse_bits())
+pub(crate) fn sobol_third_scrambled(index: u32, seed: u32) -> f32 {
+    unit_f32(scramble_reversed(third(index), seed).reverse_bits())
 }
 
 #[cfg(test)]
@@ -68,6 +111,23 @@ mod tests {
             let scrambled: Vec<Vec2> = (0..256).map(|i| sobol_2d_scrambled(block * 256 + i, 0x1234_5678, 0x9abc_def0)).collect();
             assert!(is_net(&scrambled), "scrambled block {block}");
         }
+    }
+
+    /// v = 1/2, 3/4, 3/8 for the lowest three bits; the plain binary index, not its Gray code.
+    #[test]
+    fn third_dimension_is_sobols_and_pairs_well_with_the_others() {
+        let unscrambled = |i: u32| unit_f32(third(i).reverse_bits());
+        let expected = [0.0, 0.5, 0.75, 0.25, 0.375, 0.875, 0.625, 0.125];
+        for (i, e) in expected.into_iter().enumerate() {
+            assert_eq!(unscrambled(i as u32), e, "point {i}");
+        }
+        // 4 × 4 × 4 cells: 64 points in three dimensions are not a perfect net, but no cell gets more than 4 of them.
+        let mut cells = [0; 64];
+        for i in 0..64 {
+            let p = sobol_2d(i);
+            cells[(p.x * 4.0) as usize * 16 + (p.y * 4.0) as usize * 4 + (unscrambled(i) * 4.0) as usize] += 1;
+        }
+        assert!(cells.iter().all(|&n| n <= 4), "{cells:?}");
     }
 
     #[test]

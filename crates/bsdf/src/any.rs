@@ -55,14 +55,6 @@ impl AnyBsdf {
             Self::Model(_) => false,
         }
     }
-
-    /// Radiance per ambient radiance: of the model that is no reflection.
-    pub fn ambient(&self) -> LinearRgb {
-        match self {
-            Self::Layered(_) => LinearRgb::BLACK,
-            Self::Model(model) => LinearRgb(model.ambient().as_vec3()),
-        }
-    }
 }
 
 impl AnyBsdfView<'_> {

@@ -12,7 +12,7 @@ use crate::integrator::dispersion::Channel;
 use crate::lights::Lights;
 use crate::world::{MaterialInfo, Placed, World, interpolate};
 use glam::{Vec2, Vec3};
-use kajo_bsdf::{Bsdf, BsdfSample, BsdfView, LobeValues};
+use kajo_bsdf::{AnyBsdf, AnyBsdfView, Bsdf, BsdfSample, LobeValues};
 use kajo_bvh::{Hit, PrimitiveRef, SurfacePoint, offset_origin};
 use kajo_sampling::Frame;
 use kajo_scene::SurfaceMaterial;
@@ -25,7 +25,7 @@ pub(crate) struct Surface<'a> {
     pub primitive: PrimitiveRef,
     pub material: Cow<'a, SurfaceMaterial>,
     /// The BSDF, where the material has prepared it.
-    prepared: Option<&'a Bsdf>,
+    prepared: Option<&'a AnyBsdf>,
     /// Index of the material.
     pub material_index: u32,
     /// The front face is seen: the one whose winding is counter-clockwise.
@@ -85,7 +85,7 @@ impl<'a> Surface<'a> {
             let coat = frame_side * bent(side * material.params.clearcoat_normal, geometric_normal, wo);
             material.params.clearcoat_normal = frame.to_local(coat).normalize_or(Vec3::Z);
         }
-        let prepared = info.bsdf.as_ref().filter(|_| matches!(material, Cow::Borrowed(_)));
+        let prepared = info.bsdf.as_ref().filter(|bsdf| matches!((bsdf, &material), (AnyBsdf::Model(_), _) | (_, Cow::Borrowed(_))));
         let origin_in_front = world.ray_start(hit, &point, geometric_normal, wo, lift && !material_transmits);
         Some(Self {
             point,
@@ -113,11 +113,12 @@ impl<'a> Surface<'a> {
 
     /// The BSDF at the point for light of one channel, or of all.
     #[inline]
-    pub(crate) fn bsdf(&self, channel: Channel) -> Cow<'a, Bsdf> {
+    pub(crate) fn bsdf(&self, channel: Channel) -> Cow<'a, AnyBsdf> {
+        let layered = |params| Cow::Owned(AnyBsdf::Layered(Bsdf::new(params)));
         match (self.prepared, channel) {
-            (_, Some(channel)) if self.disperses() => Cow::Owned(Bsdf::new(&self.material.params.for_channel(channel))),
+            (_, Some(channel)) if self.disperses() => layered(&self.material.params.for_channel(channel)),
             (Some(bsdf), _) => Cow::Borrowed(bsdf),
-            (None, _) => Cow::Owned(Bsdf::new(&self.material.params)),
+            (None, _) => layered(&self.material.params),
         }
     }
 
@@ -154,7 +155,7 @@ impl<'a> Surface<'a> {
 
     /// f · |cos θ| and density of the BSDF towards the world direction `wi`, folded as the module says.
     #[inline]
-    pub(crate) fn eval(&self, bsdf: &BsdfView, wi: Vec3) -> (LobeValues, f32) {
+    pub(crate) fn eval(&self, bsdf: &AnyBsdfView, wi: Vec3) -> (LobeValues, f32) {
         let local = self.frame.to_local(wi);
         let height = wi.dot(self.geometric_normal) * self.frame_side;
         if self.transmissive {
@@ -186,7 +187,7 @@ impl<'a> Surface<'a> {
 
     /// Density of [`Surface::direction_of`] at `wi`, which `sample` gave.
     #[inline]
-    pub(crate) fn pdf_of(&self, bsdf: &BsdfView, sample: &BsdfSample, wi: Vec3) -> f32 {
+    pub(crate) fn pdf_of(&self, bsdf: &AnyBsdfView, sample: &BsdfSample, wi: Vec3) -> f32 {
         let folds = !self.transmissive && self.frame.z.dot(self.mirrored(wi)) > 0.0;
         if folds { self.eval(bsdf, wi).1 } else { sample.pdf }
     }

@@ -2,7 +2,7 @@
 
 use crate::PathTracerError;
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec4};
-use kajo_bsdf::Bsdf;
+use kajo_bsdf::{AnyBsdf, Bsdf};
 use kajo_bvh::{Blas, BuildOptions, BvhInstance, Filter, Hit, PrimitiveRef, Ray, Tlas};
 use kajo_sampling::{hash_u64, unit_f32};
 use kajo_scene::{Material, Mesh, Scene, Snapshot, SurfaceMaterial, SurfaceUv};
@@ -37,12 +37,12 @@ pub(crate) struct Placed {
 }
 
 /// What is known of a material before any hit.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct MaterialInfo {
     /// The material everywhere, when it has no textures.
     pub constant: Option<SurfaceMaterial>,
-    /// Its BSDF, when that does not depend on tangents either.
-    pub bsdf: Option<Bsdf>,
+    /// Its BSDF, when that depends neither on textures nor on tangents.
+    pub bsdf: Option<AnyBsdf>,
     pub alpha_test: bool,
     /// A tangent frame is worth computing.
     pub needs_tangent: bool,
@@ -51,9 +51,15 @@ pub(crate) struct MaterialInfo {
 impl MaterialInfo {
     fn new(scene: &Scene, material: &Material) -> Self {
         let constant = textures(material).iter().all(|t| t.is_none()).then(|| material.at(scene, &SurfaceUv::default()));
-        let needs_tangent = material.normal_texture.is_some() || material.clearcoat_normal_texture.is_some() || material.anisotropy > 0.0;
+        let needs_tangent = material.normal_texture.is_some()
+            || material.clearcoat_normal_texture.is_some()
+            || material.anisotropy > 0.0
+            || material.model.is_some();
         Self {
-            bsdf: constant.as_ref().filter(|_| !needs_tangent).map(|constant| Bsdf::new(&constant.params)),
+            bsdf: match &material.model {
+                Some(model) => Some(AnyBsdf::Model(model.reflectance.clone())),
+                None => constant.as_ref().filter(|_| !needs_tangent).map(|constant| AnyBsdf::Layered(Bsdf::new(&constant.params))),
+            },
             constant,
             needs_tangent,
             alpha_test: material.needs_alpha_test(),

@@ -88,7 +88,9 @@ impl Material {
             params.sheen_color = rgb(self.sheen_color, &self.sheen_color_texture);
             params.sheen_roughness = PerceptualRoughness(channel(self.sheen_roughness, &self.sheen_roughness_texture, A));
         }
-        if self.anisotropy > 0.0 {
+        if self.model.is_some() {
+            params.anisotropy_rotation = self.anisotropy_rotation;
+        } else if self.anisotropy > 0.0 {
             let (direction, strength) = match look(&self.anisotropy_texture) {
                 Some(t) => (Vec2::new(t.x, t.y) * 2.0 - 1.0, t.z),
                 None => (Vec2::X, 1.0),

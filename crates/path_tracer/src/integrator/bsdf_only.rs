@@ -40,7 +40,7 @@ impl Context<'_> {
             }
             sampler.start_bounce(bounces);
             let bsdf = surface.bsdf(channel);
-            let Some(sample) = bsdf.sample(surface.frame.to_local(wo), sampler.next_1d(), sampler.next_2d()) else { return };
+            let Some(sample) = bsdf.view(surface.frame.to_local(wo)).sample(sampler.next_1d(), sampler.next_2d()) else { return };
             let Some(wi) = surface.direction_of(&sample) else { return };
             throughput = if bounces == 0 {
                 Split { diffuse: passed * sample.weight.diffuse, specular: passed * sample.weight.specular }

@@ -13,7 +13,7 @@ use super::{Chance, Context, Sink, Split, TracedRay, open_ray, transmittance};
 use crate::settings::Strategy;
 use crate::surface::Surface;
 use glam::Vec2;
-use kajo_bsdf::{BsdfView, Lobe};
+use kajo_bsdf::{AnyBsdfView, Lobe};
 use kajo_bvh::Ray;
 use kajo_sampling::{Sampler, power_heuristic};
 use kajo_units::LinearRgb;
@@ -109,7 +109,7 @@ impl Context<'_> {
     fn direct(
         &self,
         surface: &Surface,
-        bsdf: &BsdfView,
+        bsdf: &AnyBsdfView,
         throughput: Split,
         bounces: u32,
         absorption: LinearRgb,

@@ -8,6 +8,7 @@ mod dispersion;
 mod estimators;
 mod furnace;
 mod leaks;
+mod models;
 mod rays;
 pub(crate) mod scenes;
 mod visibility;

@@ -71,7 +71,7 @@ fn follow(tracer: &Tracer, origin: Vec3, direction: Vec3, lobe: f32, until: u32)
             break;
         }
         let bsdf = surface.bsdf(None);
-        let sample = bsdf.sample(surface.frame.to_local(-ray.direction), lobe, Vec2::splat(0.5)).expect("a smooth lobe");
+        let sample = bsdf.view(surface.frame.to_local(-ray.direction)).sample(lobe, Vec2::splat(0.5)).expect("a smooth lobe");
         let wi = surface.direction_of(&sample).expect("a direction on the right side");
         ray = Ray::new(surface.origin_towards(&tracer.world, wi), wi);
         leaving = Some(surface.primitive);

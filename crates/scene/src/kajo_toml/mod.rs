@@ -222,8 +222,8 @@ impl Composer<'_> {
         let model = reflectance::read(table, values, &|file| self.path(table, file))?;
         for index in matching {
             let mut material = self.scene.materials[index].clone();
-            if model.is_some() {
-                material.model.clone_from(&model);
+            if let Some(model) = &model {
+                material = model.replace_reflection(material);
             }
             material::apply(table, values, &mut material, &mut |texture, wrap, filter, color_space| {
                 self.texture(table, texture, wrap, filter, color_space)

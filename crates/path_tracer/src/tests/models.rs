@@ -1,0 +1,64 @@
+//! Surfaces with models of the library: row BR-31.
+
+use super::scenes::{Stage, at, floor, render_at, sized};
+use crate::{Integrator, Settings};
+use glam::{DVec3, Vec3};
+use kajo_bsdf::models::{Form, V3, all, find};
+use kajo_bsdf_lab::albedo;
+use kajo_scene::{Material, ReflectanceModel, Scene};
+
+fn material(id: &str, pairs: &[(&str, &str)]) -> Material {
+    let model = ReflectanceModel::new(find(id).unwrap(), pairs, Form::Corrected).unwrap();
+    model.replace_reflection(Material::default())
+}
+
+/// A floor of the material under a sky of radiance 1, seen from `degrees` off its normal along the tangent.
+fn under_a_white_sky(material: Material, degrees: f32) -> Scene {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    Stage::default()
+        .mesh(floor(), material, at(Vec3::ZERO))
+        .environment(1.0)
+        .orthographic(5.0 * Vec3::new(sin, cos, 0.0), Vec3::ZERO, 1.0)
+        .0
+}
+
+/// Mean over all pixels and channels, and its standard error from their spread.
+fn mean_and_error(scene: &Scene, settings: &Settings) -> (f64, f64) {
+    let frame = render_at(scene, settings, 64);
+    let values: Vec<f64> = frame.beauty().pixels().iter().map(|p| f64::from(p.0.element_sum()) / 3.0).collect();
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt())
+}
+
+/// Row BR-31. Every model, through the path tracer with next-event estimation and without, reflects what quadrature says.
+#[test]
+fn every_model_reflects_its_albedo_under_a_white_sky() {
+    for entry in all().filter(|entry| entry.wesl.is_some() && entry.id != "ambient") {
+        for degrees in [20.0, 65.0] {
+            let scene = under_a_white_sky(material(entry.id, &[]), degrees);
+            let model = entry.from_pairs(&[], Form::Corrected).unwrap();
+            let wo: DVec3 = V3::from_angles(f64::from(degrees).to_radians(), 0.0).into();
+            let exact = albedo(&*model, wo, 1e-6).element_sum() / 3.0;
+            for integrator in [Integrator::Path, Integrator::BsdfOnly] {
+                let settings = Settings { integrator, max_depth: 1, ..sized(16, 16) };
+                let (mean, error) = mean_and_error(&scene, &settings);
+                // 4 σ: some eighty comparisons; 1e-4 for models without noise.
+                assert!(
+                    (mean - exact).abs() < 4.0 * error + 1e-4,
+                    "{} at {degrees}°, {integrator:?}: {mean} ± {error}, exact {exact}",
+                    entry.id
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_wrong_model_would_be_noticed() {
+    let scene = under_a_white_sky(material("phong", &[("ks", "0.40")]), 65.0);
+    let other = find("phong").unwrap().from_pairs(&[("ks", "0.42")], Form::Corrected).unwrap();
+    let wo: DVec3 = V3::from_angles(65f64.to_radians(), 0.0).into();
+    let (mean, error) = mean_and_error(&scene, &Settings { max_depth: 1, ..sized(16, 16) });
+    assert!((mean - albedo(&*other, wo, 1e-6).x).abs() > 4.0 * error + 1e-4, "{mean} ± {error}");
+}

@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use kajo_shader_lib::ShaderLayout;
+use kajo_shader_lib::models::MOST_CONSTANTS;
 
 /// Twin of `frame::Frame`.
 #[repr(C)]
@@ -80,6 +81,13 @@ pub(crate) struct GpuTextureRef {
 /// Number of textures of a material.
 pub(crate) const MATERIAL_TEXTURES: usize = 16;
 
+/// Twin of `shader_lib::models::geometry::ModelConstants`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable, ShaderLayout)]
+pub(crate) struct GpuModelConstants {
+    pub data: [[f32; 4]; MOST_CONSTANTS / 4],
+}
+
 /// Twin of `material::Material`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable, ShaderLayout)]
@@ -110,8 +118,9 @@ pub(crate) struct GpuMaterial {
     pub iridescence_thickness_max: f32,
     pub alpha_mode: u32,
     pub flags: u32,
-    pub padding_a: u32,
-    pub padding_b: u32,
+    pub model: u32,
+    pub padding: u32,
+    pub constants: GpuModelConstants,
     pub textures: [GpuTextureRef; MATERIAL_TEXTURES],
 }
 
@@ -164,7 +173,7 @@ mod tests {
 
     #[test]
     fn every_struct_is_laid_out_as_the_shaders_read_it() {
-        let linked = shaders::link("test", ROOT, TraceBackend::Compute, true).unwrap();
+        let linked = shaders::link("test", ROOT, shaders::Variant::without_models(TraceBackend::Compute, true)).unwrap();
         linked.check_layout::<GpuFrame>("Frame").unwrap();
         linked.check_layout::<GpuInstance>("Instance").unwrap();
         linked.check_layout::<GpuAttributes>("Attributes").unwrap();

@@ -12,11 +12,13 @@ use crate::upload::trace::TraceScene;
 use crate::upload::{lights, materials};
 use crate::{Error, ignored, read};
 use glam::{Mat4, Vec3};
+use kajo_bsdf::models::ModelEntry;
 use kajo_image::Image;
 use kajo_render_graph::wgpu::{self, BufferUsages};
 use kajo_render_graph::{Bindings, Buffer, Device, Graph, Pool, Slot, Texture, Timings, slot};
 use kajo_scene::{Environment, Ignored, Scene, Snapshot};
 use kajo_shader_lib::BSDF_TABLES;
+use kajo_techniques::shaders::Variant;
 use kajo_techniques::{Coverage, Effect, FrameContext, MakeContext, Role, TraceBackend, View};
 use kajo_units::LinearRgb;
 
@@ -26,6 +28,8 @@ pub struct Renderer {
     settings: RendererSettings,
     scene: Scene,
     backend: TraceBackend,
+    /// Reflectance models of its materials.
+    models: Vec<&'static ModelEntry>,
     current: Snapshot,
     previous: Snapshot,
     bounds: [Vec3; 2],
@@ -60,6 +64,12 @@ impl Made {
     }
 }
 
+/// The reflectance models that materials name, each once.
+fn models_of(scene: &Scene) -> Vec<&'static ModelEntry> {
+    let named = |entry: &&ModelEntry| scene.materials.iter().filter_map(|m| m.model.as_ref()).any(|model| model.entry.id == entry.id);
+    kajo_bsdf::models::all().filter(named).collect()
+}
+
 /// Slots that the first graph of a frame makes for those of the groups of lights.
 fn made_first() -> Vec<Slot> {
     TARGETS.into_iter().chain([slot::DEPTH, slot::BACKGROUND, slot::DIRECT]).collect()
@@ -84,7 +94,8 @@ impl Renderer {
         let textures = Textures::new(device, scene, bindless)?;
         let geometry = Geometry::new(device, snapshot, snapshot, scene)?;
         let trace = TraceScene::new(device, backend, snapshot, &geometry, None)?;
-        let setup = Setup { device, backend, bindless, textures: textures.count() };
+        let models = models_of(scene);
+        let setup = Setup { device, variant: Variant { backend, bindless, models: &models }, textures: textures.count() };
         let blendable = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
         let count = snapshot.lights.len().max(1);
         let layer = u64::from(settings.size.x) * u64::from(settings.size.y) * 4;
@@ -92,6 +103,7 @@ impl Renderer {
         let out = Self {
             settings,
             backend,
+            models: models.clone(),
             bounds: bounds(snapshot),
             materials: device.buffer_with("materials", &materials::pack_all(scene), BufferUsages::STORAGE)?,
             lights: device.buffer("lights", (count * size_of::<GpuLight>()) as u64, BufferUsages::STORAGE | BufferUsages::COPY_DST)?,
@@ -253,8 +265,8 @@ impl Renderer {
             return Ok(self.effects.swap_remove(index));
         }
         let device = self.device.counting_apart();
-        let context =
-            MakeContext { device: &device, backend: self.backend, textures: self.textures.count(), bindless: self.textures.is_list() };
+        let variant = Variant { backend: self.backend, bindless: self.textures.is_list(), models: &self.models };
+        let context = MakeContext { device: &device, variant, textures: self.textures.count() };
         let effect = choice.technique.build(&context, &choice.params)?;
         Ok(Made { choice, device, effect })
     }

@@ -27,6 +27,7 @@ mod layout;
 mod library;
 pub mod light;
 mod link;
+pub mod models;
 pub mod packing;
 pub mod random;
 mod reflect;

@@ -38,9 +38,9 @@ pub const MODULES: &[Module] = modules![
     "warp",
 ];
 
-/// The module at `path` (with slashes).
-pub fn module(path: &str) -> Option<&'static Module> {
-    MODULES.iter().find(|module| module.path == path)
+/// The module at `path` (with slashes): of the library, or the GPU's side of a reflectance model, `models/ward`.
+pub fn module(path: &str) -> Option<Module> {
+    MODULES.iter().copied().find(|module| module.path == path).or_else(|| crate::models::module(path))
 }
 
 #[cfg(test)]

@@ -36,12 +36,10 @@ impl TraceBackend {
 pub struct MakeContext<'a> {
     /// The device; it counts the memory of the technique apart.
     pub device: &'a Device,
-    /// Who traces rays.
-    pub backend: TraceBackend,
+    /// What its shaders depend on.
+    pub variant: shaders::Variant<'a>,
     /// Length of the list of textures.
     pub textures: u32,
-    /// Shaders choose textures from a list; otherwise they read texels from a buffer.
-    pub bindless: bool,
 }
 
 impl MakeContext<'_> {
@@ -50,7 +48,7 @@ impl MakeContext<'_> {
     /// # Errors
     /// When the shader does not link or the device refuses it.
     pub fn shader(&self, name: &str, source: &str) -> Result<Shader, Error> {
-        Ok(Shader::new(self.device, shaders::link(name, source, self.backend, self.bindless))?)
+        Ok(Shader::new(self.device, shaders::link(name, source, self.variant))?)
     }
 }
 

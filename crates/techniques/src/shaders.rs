@@ -1,7 +1,8 @@
 //! Shader modules that every technique may import as `package::NAME`: the frame, the scene's buffers, lights, rays.
 
 use crate::TraceBackend;
-use kajo_shader_lib::{Linked, ShaderError, SourceFile, link_with};
+use kajo_bsdf::models::ModelEntry;
+use kajo_shader_lib::{Linked, ShaderError, SourceFile, link_with, models};
 
 macro_rules! files {
     ($($name:literal),* $(,)?) => { &[$(SourceFile { name: $name, source: include_str!(concat!("../wesl/", $name, ".wesl")) }),*] };
@@ -11,11 +12,31 @@ macro_rules! files {
 pub const FILES: &[SourceFile<'static>] =
     files!["frame", "gbuffer", "lights", "material", "raster", "reflect", "scene", "surface", "trace"];
 
-/// Links a root file against these modules and `shader_lib`.
+/// What the modules depend on.
+#[derive(Clone, Copy, Debug)]
+pub struct Variant<'a> {
+    /// Who traces rays.
+    pub backend: TraceBackend,
+    /// Shaders choose textures from a list; otherwise they read texels from a buffer.
+    pub bindless: bool,
+    /// Reflectance models of the scene's materials, beside glTF's.
+    pub models: &'a [&'static ModelEntry],
+}
+
+impl Variant<'static> {
+    /// For scenes whose materials are glTF's.
+    pub const fn without_models(backend: TraceBackend, bindless: bool) -> Self {
+        Self { backend, bindless, models: &[] }
+    }
+}
+
+/// Links a root file against these modules, `package::models` with the models that the variant names, and `shader_lib`.
 ///
 /// # Errors
 /// With file, line and message.
-pub fn link(name: &str, source: &str, backend: TraceBackend, bindless: bool) -> Result<Linked, ShaderError> {
-    let features = [("ray_query", backend == TraceBackend::RayQuery), ("bindless", bindless)];
-    link_with(SourceFile { name, source }, FILES, &features)
+pub fn link(name: &str, source: &str, variant: Variant) -> Result<Linked, ShaderError> {
+    let features = [("ray_query", variant.backend == TraceBackend::RayQuery), ("bindless", variant.bindless)];
+    let models = models::switch(variant.models);
+    let files = [FILES, &[SourceFile { name: "models", source: &models }]].concat();
+    link_with(SourceFile { name, source }, &files, &features)
 }

@@ -7,20 +7,19 @@ pub(crate) mod gbuffer;
 pub(crate) mod picture;
 
 use kajo_render_graph::{Device, Shader, wgpu};
-use kajo_techniques::{TraceBackend, shaders};
+use kajo_techniques::shaders::{self, Variant};
 
 /// What a pipeline of this crate depends on.
 #[derive(Clone, Copy)]
 pub(crate) struct Setup<'a> {
     pub device: &'a Device,
-    pub backend: TraceBackend,
-    pub bindless: bool,
+    pub variant: Variant<'a>,
     pub textures: u32,
 }
 
 impl Setup<'_> {
     pub fn shader(&self, name: &str, source: &str) -> Result<Shader, kajo_render_graph::Error> {
-        Shader::new(self.device, shaders::link(name, source, self.backend, self.bindless))
+        Shader::new(self.device, shaders::link(name, source, self.variant))
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod gbuffer;
 mod lighting;
+mod models;
 mod scenes;
 mod shadows;
 mod textures;

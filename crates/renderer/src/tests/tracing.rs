@@ -68,7 +68,9 @@ fn on_device(device: &Device, scene: &Scene, backend: TraceBackend, queries: &[Q
     let mut renderer = renderer(device, scene, UVec2::splat(8), Some(backend));
     // A frame uploads the instances that masks are looked up by.
     renderer.render(&RoleSelection::new(), &FrameSettings::default()).unwrap();
-    let shader = Shader::new(device, shaders::link("test", ROOT, backend, device.has_bindless_textures())).unwrap();
+    let shader =
+        Shader::new(device, shaders::link("test", ROOT, shaders::Variant::without_models(backend, device.has_bindless_textures())))
+            .unwrap();
     let options = PipelineOptions { list_length: renderer.texture_count(), ..Default::default() };
     let pipeline = ComputePipeline::new(device, &shader, "main", options).unwrap();
     let input = device.buffer_with("queries", queries, BufferUsages::STORAGE).unwrap();

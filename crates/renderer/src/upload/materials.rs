@@ -1,8 +1,9 @@
 //! Materials as `material.wesl` reads them.
 
-use crate::gpu::{GpuMaterial, GpuTextureRef, MATERIAL_TEXTURES};
+use crate::gpu::{GpuMaterial, GpuModelConstants, GpuTextureRef, MATERIAL_TEXTURES};
 use crate::upload::textures::sampler_index;
 use kajo_scene::{AlphaMode, Material, Scene, TextureRef};
+use kajo_shader_lib::models::{self, MOST_CONSTANTS};
 
 /// Every material, and behind them the default one for meshes that name none.
 pub(crate) fn pack_all(scene: &Scene) -> Vec<GpuMaterial> {
@@ -62,10 +63,18 @@ fn pack(scene: &Scene, material: &Material) -> GpuMaterial {
         iridescence_thickness_max: material.iridescence_thickness[1],
         alpha_mode,
         flags: if material.unlit { GpuMaterial::UNLIT } else { 0 } | if material.double_sided { GpuMaterial::DOUBLE_SIDED } else { 0 },
-        padding_a: 0,
-        padding_b: 0,
+        model: material.model.as_ref().map_or(0, |model| models::number(model.entry)),
+        padding: 0,
+        constants: constants(material),
         textures: textures.map(|texture| texture_ref(scene, texture.as_ref())),
     }
+}
+
+fn constants(material: &Material) -> GpuModelConstants {
+    let mut numbers = material.model.as_ref().map_or_else(Vec::new, |model| model.reflectance.constants());
+    assert!(numbers.len() <= MOST_CONSTANTS, "{:?}: {} constants, room for {MOST_CONSTANTS}", material.model, numbers.len());
+    numbers.resize(MOST_CONSTANTS, 0.0);
+    GpuModelConstants { data: std::array::from_fn(|i| std::array::from_fn(|j| numbers[4 * i + j])) }
 }
 
 fn texture_ref(scene: &Scene, texture: Option<&TextureRef>) -> GpuTextureRef {

@@ -33,7 +33,7 @@ fn world_from_node(scene: &Scene, name: &str) -> glam::Mat4 {
 #[test]
 fn every_example_of_the_document_parses() {
     let examples = examples();
-    assert_eq!(examples.len(), 2);
+    assert_eq!(examples.len(), 3);
     for example in examples {
         if let Err(error) = toml::from_str::<File>(example) {
             panic!("{error}");

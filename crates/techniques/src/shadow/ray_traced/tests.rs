@@ -4,7 +4,7 @@ use crate::{TraceBackend, shaders};
 #[test]
 fn the_uniform_is_laid_out_as_the_shader_reads_it() {
     for backend in [TraceBackend::RayQuery, TraceBackend::Compute] {
-        let linked = shaders::link(TECHNIQUE.id, include_str!("ray_traced.wesl"), backend, true).unwrap();
+        let linked = shaders::link(TECHNIQUE.id, include_str!("ray_traced.wesl"), shaders::Variant::without_models(backend, true)).unwrap();
         linked.check_layout::<GpuParams>("Params").unwrap();
     }
 }

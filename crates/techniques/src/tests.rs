@@ -68,7 +68,7 @@ fn every_technique_can_be_made_on_every_backend() {
             if backend == TraceBackend::RayQuery && !device.has_ray_query() {
                 continue;
             }
-            let context = MakeContext { device: &device, backend, textures: 1, bindless: true };
+            let context = MakeContext { device: &device, variant: shaders::Variant::without_models(backend, true), textures: 1 };
             let params = technique.parse_params(&[]).unwrap();
             if let Err(error) = technique.build(&context, &params) {
                 panic!("{} on {}: {error}", technique.id, backend.id());

@@ -166,6 +166,10 @@ impl<T: Scalar> Lobe<T> {
                     * T::select(axis.dot(wi) > T::zero(), T::one(), T::zero())
             }
             Self::Gauss { mx, my } => half_vector_pdf(wi, wo, |h| {
+                // At the horizon the exponential is 0 and what it is divided by underflows.
+                if h.z < T::of(1e-6) {
+                    return T::zero();
+                }
                 let exponent = -((h.x / mx).squared() + (h.y / my).squared()) / h.z.squared();
                 exponent.exp() * inverse_pi / (mx * my * h.z * h.z * h.z)
             }),

@@ -176,7 +176,9 @@ pub trait Reflectance: Send + Sync {
     /// What [`Reflectance::value`] means.
     fn kind(&self) -> Kind;
     /// Light-path roles count it as diffuse.
-    fn is_diffuse(&self) -> bool;
+    fn is_diffuse(&self) -> bool {
+        false
+    }
     /// f in 1/sr, or S.
     fn value(&self, wi: DVec3, wo: DVec3) -> DVec3;
     /// [`Reflectance::value`] in the precision of images.

@@ -8,6 +8,7 @@ use kajo_path_tracer::{Aov, Pixels};
 use kajo_render_graph::wgpu::BufferUsages;
 use kajo_render_graph::{Bindings, ComputePipeline, Device, PipelineOptions, Shader, readback};
 use kajo_scene::{LightShape, Material, Projection, ReflectanceModel, Scene, shapes};
+use kajo_shader_lib::BSDF_TABLES;
 use kajo_shader_lib::models::{MOST_CONSTANTS, number};
 use kajo_techniques::{TraceBackend, shaders};
 use kajo_units::{Meters, Radians};
@@ -48,7 +49,9 @@ fn pairs() -> Vec<(Vec3, Vec3)> {
 fn on_device(device: &Device, entry: &'static ModelEntry, constants: &[f32], pairs: &[(Vec3, Vec3)]) -> Vec<Vec3> {
     let models = [entry];
     let variant = shaders::Variant { models: &models, ..shaders::Variant::without_models(TraceBackend::Compute, false) };
-    let shader = Shader::new(device, shaders::link("test", ROOT, variant)).unwrap();
+    let linked = shaders::link("test", ROOT, variant);
+    let reads_tables = linked.as_ref().unwrap().binding(BSDF_TABLES).is_ok();
+    let shader = Shader::new(device, linked).unwrap();
     let options = PipelineOptions { constants: &[("model", f64::from(number(entry)))], ..Default::default() };
     let pipeline = ComputePipeline::new(device, &shader, "main", options).unwrap();
     let mut numbers = constants.to_vec();
@@ -59,8 +62,10 @@ fn on_device(device: &Device, entry: &'static ModelEntry, constants: &[f32], pai
     let size = pairs.len() * size_of::<Vec4>();
     let output = device.buffer("values", size as u64, BufferUsages::STORAGE | BufferUsages::COPY_SRC).unwrap();
     let own = Bindings::new().with("constants", &constants).with("directions", &input).with("values", &output);
+    let tables = device.buffer_with(BSDF_TABLES, &kajo_shader_lib::bsdf_tables(), BufferUsages::STORAGE).unwrap();
+    let shared = if reads_tables { Bindings::new().with(BSDF_TABLES, &tables) } else { Bindings::new() };
     let mut encoder = device.wgpu.create_command_encoder(&Default::default());
-    pipeline.dispatch(device, &mut encoder, &Bindings::new(), &own, UVec3::new(pairs.len() as u32, 1, 1)).unwrap();
+    pipeline.dispatch(device, &mut encoder, &shared, &own, UVec3::new(pairs.len() as u32, 1, 1)).unwrap();
     device.queue.submit([encoder.finish()]);
     readback::read_buffer::<Vec4>(device, &output.wgpu).unwrap().into_iter().map(Vec4::truncate).collect()
 }

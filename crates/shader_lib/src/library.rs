@@ -31,6 +31,7 @@ pub const MODULES: &[Module] = modules![
     "light",
     "math",
     "models/geometry",
+    "models/highlight",
     "models/schlick",
     "packing",
     "random",

@@ -11,4 +11,6 @@ mod scalar;
 pub use color::{LinearRgb, Srgb8, linear_from_srgb, srgb_from_linear};
 pub use photometry::LuminousEfficacy;
 pub use roughness::{Alpha, PerceptualRoughness};
-pub use scalar::{Candela, Ev100, Irradiance, Kelvin, Lumens, Lux, Meters, Nits, Radiance, Radians, RadiantIntensity, Seconds};
+pub use scalar::{
+    Candela, Ev100, Irradiance, Kelvin, Lumens, Lux, Meters, Nits, Radiance, Radians, RadiantFlux, RadiantIntensity, Seconds,
+};

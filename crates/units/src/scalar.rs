@@ -36,7 +36,9 @@ scalar! {
     Kelvin;
     /// Exposure value at ISO 100: log₂(N²/t) of a camera with f-number N and exposure time t seconds.
     Ev100;
-    /// Irradiance, W/m².
+    /// Radiant power (flux), W.
+    RadiantFlux;
+    /// Irradiance, and radiosity (radiant exitance), W/m².
     Irradiance;
     /// Radiance, W/(m² sr).
     Radiance;
@@ -48,5 +50,24 @@ impl Radians {
     /// Converts from degrees.
     pub fn from_degrees(degrees: f32) -> Self {
         Self(degrees.to_radians())
+    }
+}
+
+impl RadiantFlux {
+    /// E = Φ/A of light that arrives evenly at an area, or B = Φ/A of light that leaves it. `square_meters` > 0.
+    pub fn per_area(self, square_meters: f32) -> Irradiance {
+        Irradiance(self.0 / square_meters)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Row BR-2: 50 W on 1.25 m², 100 W from 0.1 m².
+    #[test]
+    fn power_over_area_is_irradiance_and_radiosity() {
+        assert_eq!(RadiantFlux(50.0).per_area(1.25), Irradiance(40.0));
+        assert_eq!(RadiantFlux(100.0).per_area(0.1), Irradiance(1000.0));
     }
 }

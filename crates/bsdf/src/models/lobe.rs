@@ -254,7 +254,7 @@ fn quadrant_azimuth<T: Scalar>(v: T, ratio: T) -> T {
 
 /// `local` about +z, turned so that +z becomes `axis`.    [Duff17] listing 3
 #[inline]
-fn to_frame<T: Scalar>(axis: V3<T>, local: V3<T>) -> V3<T> {
+pub(super) fn to_frame<T: Scalar>(axis: V3<T>, local: V3<T>) -> V3<T> {
     let sign = if axis.z < T::zero() { -T::one() } else { T::one() };
     let a = -T::one() / (sign + axis.z);
     let b = axis.x * axis.y * a;

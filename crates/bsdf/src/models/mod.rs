@@ -6,14 +6,21 @@
 mod geometry;
 mod lobe;
 mod model;
+mod quadrature;
+pub mod radiometry;
 mod real;
+pub mod shading;
 #[cfg(test)]
 pub(crate) mod testing;
 mod vector;
 
+pub mod ambient;
 pub mod ashikhmin_shirley;
+pub mod blinn_phong;
 pub mod blocks;
 pub mod lambert;
+pub mod minnaert;
+pub mod oren_nayar;
 pub mod phong;
 pub mod principled;
 pub mod schlick;
@@ -22,14 +29,22 @@ pub mod ward;
 pub use geometry::Geometry;
 pub use lobe::{Lobe, MOST_LOBES, Mixture};
 pub use model::{Claims, Evaluate, Form, Kind, Made, Model, ModelEntry, ModelError, Parameters, Reflectance, diffuse_and, make};
+pub use quadrature::{Hemisphere, gauss_legendre};
 pub use real::{Real, Scalar};
 pub use vector::{Rgb, V3};
 
 /// Every model, in the order of every list.
 const ALL: &[&ModelEntry] = &[
-    &lambert::MODEL,
+    &ambient::MODEL,
+    &lambert::BRDF,
+    &lambert::BSF,
+    &oren_nayar::MODEL,
+    &minnaert::MODEL,
     &phong::BRDF,
     &phong::BSF,
+    &blinn_phong::BRDF,
+    &blinn_phong::BSF,
+    &phong::SCHLICK_BSF,
     &ward::MODEL,
     &schlick::SINGLE,
     &schlick::DOUBLE,

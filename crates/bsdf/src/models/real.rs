@@ -35,6 +35,8 @@ pub trait Real:
     fn atan2(self, x: Self) -> Self;
     /// Complementary error function.
     fn erfc(self) -> Self;
+    /// The value at `self` in [0, 1] of a function tabulated at equal steps from 0 to 1, linear between; `table` has two entries or more.
+    fn interpolate(self, table: &[f32]) -> Self;
     fn abs(self) -> Self;
     fn min(self, other: Self) -> Self;
     fn max(self, other: Self) -> Self;
@@ -119,6 +121,13 @@ macro_rules! real {
             #[inline(always)]
             fn erfc(self) -> Self {
                 $erfc(self)
+            }
+            #[inline(always)]
+            fn interpolate(self, table: &[f32]) -> Self {
+                let x = self * (table.len() - 1) as $t;
+                let i = (x as usize).min(table.len() - 2);
+                let [low, high] = [table[i], table[i + 1]].map(<$t>::from);
+                low + (high - low) * (x - i as $t)
             }
             #[inline(always)]
             fn abs(self) -> Self {

@@ -45,19 +45,91 @@ pub fn assert_golden(id: &str, pairs: &[(&str, &str)], form: Form, golden: [f64;
     assert!(golden_error(&*model, fault) > tolerance, "{id}: planted fault");
 }
 
-/// Directional albedo ∫ f cos θ dω seen from θ_r (and azimuth φ_r), degrees: midpoints in θ and φ.
+/// Directional albedo ∫ f cos θ dω, or ∫ S dω, seen from θ_r (and azimuth φ_r), degrees.
 pub fn albedo(model: &dyn Reflectance, theta_r: f64, phi_r: f64) -> f64 {
-    use std::f64::consts::{FRAC_PI_2, PI, TAU};
-    let (nz, np) = (900, 1440);
     let wo = DVec3::from(V3::from_angles(theta_r.to_radians(), phi_r.to_radians()));
-    let azimuths: Vec<_> = (0..np).map(|j| ((f64::from(j) + 0.5) / f64::from(np) * TAU).sin_cos()).collect();
-    let mut sum = 0.0;
-    for i in 0..nz {
-        let (sin, cos) = ((f64::from(i) + 0.5) / f64::from(nz) * FRAC_PI_2).sin_cos();
-        let row: f64 = azimuths.iter().map(|(s, c)| model.f_cos(DVec3::new(c * sin, s * sin, cos), wo).x).sum();
-        sum += row * sin;
+    Hemisphere::fine().integrate(|wi| model.f_cos(wi, wo).x)
+}
+
+/// The share of uniform light that leaves towards θ_r degrees, shading functions by their π.
+pub fn furnace(model: &dyn Reflectance, theta_r: f64) -> f64 {
+    Hemisphere::fine().albedo(model, V3::from_angles(theta_r.to_radians(), 0.0).into()).x
+}
+
+/// Row BR-41: asserts that values are finite and ≥ 0 in both precisions, 0 below the horizon, and that densities reach every value, for a million pairs
+/// of directions in all, among them θ = 0, 89.999°, equal directions and half vectors along the normal.
+#[track_caller]
+pub fn assert_robust(id: &str, sets: &[&[(&str, &str)]]) {
+    for pairs in sets {
+        let model = model(id, pairs, Form::Corrected);
+        if let Some(fault) = fault(&*model, 1_000_000 / sets.len()) {
+            panic!("{id} {pairs:?}: {fault}");
+        }
     }
-    sum * PI * PI / f64::from(nz * np)
+}
+
+/// What is wrong with a model at some pair of directions, if anything.
+pub fn fault(model: &dyn Reflectance, pairs: usize) -> Option<String> {
+    let mut rng = kajo_sampling::Rng::new(41);
+    let low = 89.999_f64.to_radians();
+    for k in 0..pairs {
+        let mut next = |special: bool| -> DVec3 {
+            let phi = std::f64::consts::TAU * rng.next_f64();
+            let theta = match rng.below(4) {
+                _ if !special => rng.next_f64().acos(),
+                0 => 0.0,
+                1 => low,
+                _ => rng.next_f64().acos(),
+            };
+            V3::from_angles(theta, phi).into()
+        };
+        let wo = next(k % 2 == 0);
+        let wi = match k % 8 {
+            0 => wo,
+            2 => DVec3::new(-wo.x, -wo.y, wo.z),
+            4 => -next(true),
+            _ => next(k % 2 == 0),
+        };
+        let value = model.value(wi, wo);
+        let single = model.value_f32(wi.as_vec3(), wo.as_vec3());
+        if !(value.is_finite() && single.is_finite() && value.min_element() >= 0.0 && single.min_element() >= 0.0) {
+            return Some(format!("{value} and {single} at {wi} {wo}"));
+        }
+        if wi.z < 0.0 && (value != DVec3::ZERO || single != glam::Vec3::ZERO) {
+            return Some(format!("{value} below the horizon at {wi} {wo}"));
+        }
+        let (pdf, pdf_single) = (model.pdf(wi, wo), model.pdf_f32(wi.as_vec3(), wo.as_vec3()));
+        if !(pdf.is_finite() && pdf_single.is_finite() && pdf >= 0.0 && pdf_single >= 0.0) {
+            return Some(format!("density {pdf} and {pdf_single} at {wi} {wo}"));
+        }
+        if value.max_element() > 1e-30 && wi.z > 0.0 && pdf == 0.0 {
+            return Some(format!("{value} is never sampled at {wi} {wo}"));
+        }
+        let u = std::array::from_fn(|_| rng.next_f64());
+        if let Some(wi) = model.sample(wo, u) {
+            if !wi.is_finite() || (wi.length() - 1.0).abs() > 1e-6 || wi.z <= 0.0 {
+                return Some(format!("sample {wi} from {wo}"));
+            }
+        }
+    }
+    None
+}
+
+/// Asserts that the model's own samples find the albedo of the quadrature within four standard errors, at 0, 30, 60 and 85 degrees.
+#[track_caller]
+pub fn assert_sampled_albedo(id: &str, pairs: &[(&str, &str)], samples: u32) {
+    let model = model(id, pairs, Form::Corrected);
+    // Samples of weight 0 (below the horizon) so rare that none came up change the mean and not the error.
+    let rare = 8.0 / f64::from(samples);
+    for theta in [0.0, 30.0, 60.0, 85.0] {
+        let quadrature = albedo(&*model, theta, 20.0);
+        let (mean, error) = sampled_albedo(&*model, theta, 20.0, samples);
+        assert!(
+            (mean - quadrature).abs() < 4.0 * error + rare * quadrature,
+            "{id} {pairs:?} {theta}°: sampled {mean} ± {error}, quadrature {quadrature}"
+        );
+        assert!(error < 0.03 * (quadrature + 0.01), "{id} {pairs:?} {theta}°: ± {error} of {quadrature}");
+    }
 }
 
 /// Largest relative asymmetry of f over pseudo-random pairs of directions.
@@ -86,7 +158,7 @@ pub fn sampled_albedo(model: &dyn Reflectance, theta_r: f64, phi_r: f64, samples
     }
     let n = f64::from(samples);
     let mean = sum / n;
-    (mean, ((squares / n - mean * mean) / n).sqrt())
+    (mean, ((squares / n - mean * mean).max(0.0) / n).sqrt())
 }
 
 /// ∫ p dω over the sphere and over its upper half: midpoints in θ and φ.

@@ -1,6 +1,7 @@
 //! Directions and colours over any [`Real`].
 
 use super::Real;
+use std::f64::consts::TAU;
 use std::ops::{Add, Mul, Sub};
 
 /// Three numbers: a direction in the local frame (x tangent, y bitangent, z normal), or a linear RGB colour.
@@ -39,6 +40,14 @@ impl<T: Real> V3<T> {
     pub fn from_angles(theta: T, phi: T) -> Self {
         let sin = theta.sin();
         Self::new(phi.cos() * sin, phi.sin() * sin, theta.cos())
+    }
+
+    /// The inclination θ from the normal, in [0, π], and the azimuth φ from the tangent, in [0, 2π), rad. Of a multiple of the vector the same.
+    #[inline(always)]
+    pub fn angles(self) -> [T; 2] {
+        let theta = (self.x.squared() + self.y.squared()).sqrt().atan2(self.z);
+        let phi = self.y.atan2(self.x);
+        [theta, T::select(phi.lt(T::zero()), phi + T::of(TAU), phi)]
     }
 
     #[inline(always)]
@@ -130,5 +139,28 @@ impl From<glam::DVec3> for V3<f64> {
 impl From<V3<f64>> for glam::DVec3 {
     fn from(v: V3<f64>) -> Self {
         Self::new(v.x, v.y, v.z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Row BR-1.
+    #[test]
+    fn angles_and_directions_are_inverse() {
+        let mut rng = kajo_sampling::Rng::new(5);
+        for _ in 0..10_000 {
+            let (theta, phi) = (std::f64::consts::PI * rng.next_f64(), TAU * rng.next_f64());
+            let direction = V3::from_angles(theta, phi);
+            let [theta_back, phi_back] = direction.angles();
+            assert!((theta_back - theta).abs() < 1e-14, "θ {theta}: {theta_back}");
+            // Near the poles the azimuth is as uncertain as the sine is small.
+            assert!((phi_back - phi).abs() * theta.sin() < 1e-14, "φ {phi}: {phi_back}");
+            let back = V3::from_angles(theta_back, phi_back) - direction;
+            assert!(back.dot(back).sqrt() < 1e-14, "{direction:?}");
+        }
+        assert_eq!(V3::new(0.0, 0.0, 1.0).angles(), [0.0, 0.0]);
+        assert!((V3::new(0.0, -2.0, 0.0).angles()[1] - 1.5 * std::f64::consts::PI).abs() < 1e-14);
     }
 }

@@ -7,8 +7,8 @@ use std::f64::consts::FRAC_1_PI;
 #[cfg(test)]
 mod tests;
 
-/// The registry's entry.
-pub const MODEL: ModelEntry = ModelEntry {
+/// The BRDF's entry.
+pub const BRDF: ModelEntry = ModelEntry {
     id: "lambert",
     title: "Lambert",
     kind: Kind::Brdf,
@@ -17,15 +17,29 @@ pub const MODEL: ModelEntry = ModelEntry {
     claims: Some(Claims { parameters: Parameters::Empirical, plausible: true, anisotropic: false, off_specular: false }),
     has_printed_form: false,
     params: Params::SPEC,
-    aliases: &[],
+    aliases: &[("rho", &["kd"]), ("rho_d", &["kd"]), ("rd", &["kd"])],
     wesl: Some(include_str!("lambert.wesl")),
     make: make::<Lambert>,
 };
 
-/// The model.
+/// The shading function's entry.
+pub const BSF: ModelEntry = ModelEntry {
+    id: "lambert-bsf",
+    title: "Lambert (shading function)",
+    kind: Kind::Bsf,
+    claims: None,
+    wesl: Some(include_str!("lambert_bsf.wesl")),
+    make: make::<LambertBsf>,
+    ..BRDF
+};
+
+/// The BRDF.
 pub struct Lambert;
 
-/// Its parameters.
+/// The shading function.
+pub struct LambertBsf;
+
+/// Parameters of both.
 #[derive(Params, Clone, Copy, Debug)]
 pub struct Params {
     /// Diffuse reflectance: the albedo, for every direction.
@@ -46,6 +60,19 @@ impl<T: Real> Evaluate<T> for Formula<T> {
     }
 }
 
+/// S = k_d cos θ_i.
+#[derive(Clone, Copy, Debug)]
+pub struct BsfFormula<T> {
+    kd: Rgb<T>,
+}
+
+impl<T: Real> Evaluate<T> for BsfFormula<T> {
+    #[inline(always)]
+    fn value(&self, g: &Geometry<T>) -> Rgb<T> {
+        self.kd * g.cos_i()
+    }
+}
+
 impl Model for Lambert {
     type Params = Params;
     type Formula<T: Real> = Formula<T>;
@@ -62,5 +89,24 @@ impl Model for Lambert {
 
     fn constants(formula: &Formula<f32>) -> Vec<f32> {
         formula.f.to_array().to_vec()
+    }
+}
+
+impl Model for LambertBsf {
+    type Params = Params;
+    type Formula<T: Real> = BsfFormula<T>;
+    const KIND: Kind = Kind::Bsf;
+    const DIFFUSE: bool = true;
+
+    fn formula<T: Real>(params: &Params, _form: Form) -> BsfFormula<T> {
+        BsfFormula { kd: Rgb::of(params.kd) }
+    }
+
+    fn lobes<T: Scalar>(_formula: &BsfFormula<T>, _wo: V3<T>) -> Mixture<T> {
+        Mixture::new(&[(T::one(), Lobe::Cosine)])
+    }
+
+    fn constants(formula: &BsfFormula<f32>) -> Vec<f32> {
+        formula.kd.to_array().to_vec()
     }
 }

@@ -1,4 +1,4 @@
-//! Phong's highlight about the mirror direction, as the shading function of 1975 and as the normalised BRDF.
+//! Phong's highlight about the mirror direction, as the normalised BRDF and as shading functions.
 
 use crate::models::{
     Claims, Evaluate, Form, Geometry, Kind, Lobe, Mixture, Model, ModelEntry, Parameters, Real, Rgb, Scalar, V3, diffuse_and, make,
@@ -6,8 +6,11 @@ use crate::models::{
 use kajo_params::Params;
 use std::f64::consts::{FRAC_1_PI, PI};
 
+mod bsf;
 #[cfg(test)]
 mod tests;
+
+pub use bsf::{BSF, PhongBsf, SCHLICK_BSF, SchlickPhongBsf};
 
 /// The BRDF's entry.
 pub const BRDF: ModelEntry = ModelEntry {
@@ -19,29 +22,15 @@ pub const BRDF: ModelEntry = ModelEntry {
     claims: Some(Claims { parameters: Parameters::Empirical, plausible: true, anisotropic: false, off_specular: false }),
     has_printed_form: false,
     params: Params::SPEC,
-    aliases: &[],
+    aliases: &[("rho_d", &["kd"]), ("rd", &["kd"]), ("rho_s", &["ks"]), ("rs", &["ks"])],
     wesl: Some(include_str!("phong.wesl")),
     make: make::<Phong>,
-};
-
-/// The shading function's entry.
-pub const BSF: ModelEntry = ModelEntry {
-    id: "phong-bsf",
-    title: "Phong (shading function)",
-    kind: Kind::Bsf,
-    claims: Some(Claims { parameters: Parameters::Empirical, plausible: false, anisotropic: false, off_specular: false }),
-    wesl: Some(include_str!("phong_bsf.wesl")),
-    make: make::<PhongBsf>,
-    ..BRDF
 };
 
 /// The BRDF.
 pub struct Phong;
 
-/// The shading function.
-pub struct PhongBsf;
-
-/// Parameters of both.
+/// Its parameters.
 #[derive(Params, Clone, Copy, Debug)]
 pub struct Params {
     /// Diffuse reflectance.
@@ -55,7 +44,7 @@ pub struct Params {
     pub n: f64,
 }
 
-/// f = d + s cosⁿα, or S = d cos θ_i + s cosⁿα.
+/// f = d + s cosⁿα.
 #[derive(Clone, Copy, Debug)]
 pub struct Formula<T> {
     diffuse: Rgb<T>,
@@ -65,21 +54,10 @@ pub struct Formula<T> {
     weights: [T; 2],
 }
 
-/// [`Formula`] whose diffuse part has the cosine.
-#[derive(Clone, Copy, Debug)]
-pub struct BsfFormula<T>(Formula<T>);
-
 impl<T: Real> Evaluate<T> for Formula<T> {
     #[inline(always)]
     fn value(&self, g: &Geometry<T>) -> Rgb<T> {
         self.diffuse + self.highlight * g.cos_alpha().max(T::zero()).powf(self.n)
-    }
-}
-
-impl<T: Real> Evaluate<T> for BsfFormula<T> {
-    #[inline(always)]
-    fn value(&self, g: &Geometry<T>) -> Rgb<T> {
-        self.0.diffuse * g.cos_i() + self.0.highlight * g.cos_alpha().max(T::zero()).powf(self.0.n)
     }
 }
 
@@ -102,45 +80,16 @@ impl Model for Phong {
     }
 
     fn lobes<T: Scalar>(formula: &Formula<T>, wo: V3<T>) -> Mixture<T> {
-        lobes(formula, wo)
+        // Without an exponent the highlight is uniform, also where cos α is negative.
+        let flat = formula.n <= T::zero();
+        let axis = if flat { V3::new(T::zero(), T::zero(), T::one()) } else { V3::new(-wo.x, -wo.y, wo.z) };
+        diffuse_and(formula.weights[0], formula.weights[1], Lobe::Power { axis, n: formula.n })
     }
 
     fn constants(formula: &Formula<f32>) -> Vec<f32> {
-        constants(formula)
+        let (d, s) = (formula.diffuse, formula.highlight);
+        vec![d.x, d.y, d.z, formula.n, s.x, s.y, s.z]
     }
-}
-
-impl Model for PhongBsf {
-    type Params = Params;
-    type Formula<T: Real> = BsfFormula<T>;
-    const KIND: Kind = Kind::Bsf;
-
-    fn formula<T: Real>(params: &Params, _form: Form) -> BsfFormula<T> {
-        BsfFormula(Formula {
-            diffuse: Rgb::of(params.kd),
-            highlight: Rgb::of(params.ks),
-            n: T::of(params.n),
-            weights: [params.kd.iter().sum(), params.ks.iter().sum::<f64>() * 2.0 / (params.n + 1.0)].map(T::of),
-        })
-    }
-
-    fn lobes<T: Scalar>(formula: &BsfFormula<T>, wo: V3<T>) -> Mixture<T> {
-        lobes(&formula.0, wo)
-    }
-
-    fn constants(formula: &BsfFormula<f32>) -> Vec<f32> {
-        constants(&formula.0)
-    }
-}
-
-fn lobes<T: Scalar>(formula: &Formula<T>, wo: V3<T>) -> Mixture<T> {
-    let axis = V3::new(-wo.x, -wo.y, wo.z);
-    diffuse_and(formula.weights[0], formula.weights[1], Lobe::Power { axis, n: formula.n })
-}
-
-fn constants(formula: &Formula<f32>) -> Vec<f32> {
-    let (d, s) = (formula.diffuse, formula.highlight);
-    vec![d.x, d.y, d.z, formula.n, s.x, s.y, s.z]
 }
 
 /// Diffuse and specular reflectance share the light that arrives.

@@ -17,6 +17,16 @@ pub enum PathTracerError {
         /// Largest side, px.
         max: u32,
     },
+    /// An image that memory does not hold.
+    #[error("image of {width}x{height} px: {bytes} bytes of memory cannot be had; choose a smaller size or fewer output images")]
+    Memory {
+        /// Width, px.
+        width: u32,
+        /// Height, px.
+        height: u32,
+        /// Bytes of the film and of the images that it is developed into.
+        bytes: u64,
+    },
     /// A camera that the scene does not have.
     #[error("camera `{got}` does not exist; the scene has {have}")]
     Camera {

@@ -4,7 +4,7 @@
 //! depend on the number of threads, on the size of passes, or on where a rendering was interrupted and resumed.
 
 use crate::blocks::BlockSums;
-use crate::{Aov, aov::Combine};
+use crate::{Aov, PathTracerError, aov::Combine};
 use glam::UVec2;
 
 /// What a film gathers for one image.
@@ -55,6 +55,23 @@ impl FilmLayout {
             layout.channels += 1;
         }
         layout
+    }
+
+    /// Asks for the memory of an image before work goes into it: the system refuses in a moment what it cannot have at all.
+    ///
+    /// # Errors
+    /// [`PathTracerError::Memory`].
+    pub(crate) fn check_memory(&self, size: UVec2) -> Result<(), PathTracerError> {
+        let bytes = self.bytes(size);
+        let fits = usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
+        if fits { Ok(()) } else { Err(PathTracerError::Memory { width: size.x, height: size.y, bytes }) }
+    }
+
+    /// Memory of a film of `size` and of the images that it is developed into, bytes.
+    fn bytes(&self, size: UVec2) -> u64 {
+        let developed = size_of::<f32>() * (self.channels + self.tracked);
+        let pixel = size_of::<f64>() * self.channels + size_of::<BlockSums>() * self.tracked + developed;
+        (u64::from(size.x) * u64::from(size.y)).saturating_mul(pixel as u64)
     }
 
     fn push(&mut self, aov: Option<Aov>, name: String, channels: usize, combine: Combine) {
@@ -195,6 +212,16 @@ mod tests {
         let names: Vec<_> = layout.images.iter().map(|i| (i.name.as_str(), i.offset, i.channels, i.tracked)).collect();
         assert_eq!(names, [("beauty", 0, 3, Some(0)), ("depth", 3, 1, None), ("visibility.a", 4, 1, Some(3)), ("motion", 5, 2, None)]);
         assert_eq!((layout.channels, layout.tracked, layout.coverage), (8, 4, Some(7)));
+    }
+
+    #[test]
+    fn images_that_memory_cannot_hold_are_refused_before_the_first_sample() {
+        let layout = FilmLayout::new(&[]);
+        assert!(layout.check_memory(UVec2::new(1280, 720)).is_ok());
+        let error = layout.check_memory(UVec2::MAX).unwrap_err().to_string();
+        assert!(error.starts_with("image of 4294967295x4294967295 px: ") && error.contains("choose a smaller size"), "{error}");
+        // Sums of 3 f64 and blocks; 3 f32 of colour and 3 of variance.
+        assert_eq!(layout.bytes(UVec2::ONE), (24 + 3 * size_of::<BlockSums>() + 24) as u64);
     }
 
     #[test]

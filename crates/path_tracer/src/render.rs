@@ -63,7 +63,7 @@ const MIN_NOISE_SPP: u32 = 16;
 /// current rayon pool), not on passes, not on interruptions.
 ///
 /// # Errors
-/// Settings out of range, an unknown camera, light or image, [`PathTracerError::EndlessStop`], and
+/// Settings out of range, an image that memory does not hold, an unknown camera, light or image, [`PathTracerError::EndlessStop`], and
 /// [`PathTracerError::CheckpointMismatch`] for a film of another picture.
 pub fn render(
     tracer: &Tracer,
@@ -79,7 +79,10 @@ pub fn render(
     let slots = Slots::new(&layout, &tracer.lights)?;
     let fingerprint = fingerprint(tracer.hash(), settings);
     let mut film = match resume {
-        None => Film::new(settings.size, layout, fingerprint),
+        None => {
+            layout.check_memory(settings.size)?;
+            Film::new(settings.size, layout, fingerprint)
+        }
         Some(film) if film.fingerprint.scene != fingerprint.scene => {
             return Err(PathTracerError::CheckpointMismatch { what: "the scene" });
         }

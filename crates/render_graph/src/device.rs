@@ -103,14 +103,20 @@ impl Device {
         let keep_first = |slot: &Arc<Mutex<Option<Error>>>| {
             let slot = slot.clone();
             move |error: Error| {
-                tracing::error!("{error}");
+                // The first one is passed on; those that follow from it are for whoever looks into it.
+                tracing::debug!("{error}");
                 slot.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).get_or_insert(error);
             }
         };
         let lost = keep_first(&trouble);
         wgpu.set_device_lost_callback(move |_, reason| lost(Error::DeviceLost { reason }));
         let refused = keep_first(&trouble);
-        wgpu.on_uncaptured_error(Arc::new(move |error: wgpu::Error| refused(Error::Refused { reason: error.to_string() })));
+        wgpu.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            refused(match error {
+                wgpu::Error::OutOfMemory { .. } => Error::OutOfMemory,
+                other => Error::Refused { reason: other.to_string() },
+            });
+        }));
 
         let info = describe(&adapter, features, &wgpu.limits());
         tracing::debug!(?info, "opened device");

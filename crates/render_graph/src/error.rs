@@ -29,6 +29,9 @@ pub enum Error {
         /// What the driver says.
         reason: String,
     },
+    /// The device has no memory left.
+    #[error("the graphics device has not enough memory; choose a smaller image, or an adapter with more memory")]
+    OutOfMemory,
     /// The device refused a command: a bug here or in the driver.
     #[error("the graphics device refused a command: {reason}")]
     Refused {

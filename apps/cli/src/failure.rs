@@ -33,9 +33,6 @@ impl Failure {
             Self::Usage(error) => (error, 2),
             Self::Run(error) => (error, 1),
         };
-        if error.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe) {
-            return ExitCode::SUCCESS;
-        }
         let mut stderr = io::stderr().lock();
         let mut said = error.to_string();
         let _ = writeln!(stderr, "error: {said}");

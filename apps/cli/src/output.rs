@@ -1,6 +1,6 @@
 //! What goes to stdout (results, JSON) and to stderr (messages).
 
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -12,19 +12,23 @@ pub fn start_log(quiet: bool) {
 }
 
 /// Prints a value as JSON, one document.
+///
+/// # Errors
+/// Those of [`text`].
 pub fn json(value: &impl Serialize) -> Outcome {
-    let mut stdout = io::stdout().lock();
-    serde_json::to_writer_pretty(&mut stdout, value)?;
-    writeln!(stdout)?;
-    Ok(())
+    text(&(serde_json::to_string_pretty(value)? + "\n"))
 }
 
 /// Prints text; a reader that went away (`kajo … | head`) is no error.
+///
+/// # Errors
+/// A standard output that takes nothing, such as a file on a full disk.
 pub fn text(text: &str) -> Outcome {
     let mut stdout = io::stdout().lock();
-    stdout.write_all(text.as_bytes())?;
-    stdout.flush()?;
-    Ok(())
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::run(format!("cannot write to standard output: {error}"))),
+        _ => Ok(()),
+    }
 }
 
 /// A table with left-aligned columns.

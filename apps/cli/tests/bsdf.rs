@@ -29,8 +29,8 @@ fn eval_prints_value_cosine_and_density() {
 fn wrong_models_and_parameters_are_refused_with_what_is_right() {
     let eval = "bsdf eval --theta-i 30 --theta-r 40 --model";
     for (model, says) in [
-        ("phnog", "no model `phnog`, did you mean `phong`?"),
-        ("phong --param kx=1", "no parameter `kx`"),
+        ("phnog", "no model is called \"phnog\" (did you mean \"phong\"?)"),
+        ("phong --param kx=1", "no parameter is called \"kx\""),
         ("phong --param n=nan", "parameter `n` is `nan`; it must be from 0 to"),
         ("phong --param kd=-1", "it must be one number or r,g,b, each from 0 to 1"),
         ("phong --param kd=0.6 ks=0.6", "kd + ks is 1.2"),

@@ -21,7 +21,11 @@ impl<T> Image<T> {
 
     /// Every pixel from its column and row.
     pub fn from_fn(size: UVec2, mut pixel: impl FnMut(u32, u32) -> T) -> Self {
-        let pixels = (0..size.y).flat_map(|y| (0..size.x).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect();
+        // Memory is taken once: the length of a flattened iterator is unknown to `collect`, which would grow and copy.
+        let mut pixels = Vec::with_capacity(size.x as usize * size.y as usize);
+        for y in 0..size.y {
+            pixels.extend((0..size.x).map(|x| pixel(x, y)));
+        }
         Self { size, pixels }
     }
 
@@ -48,6 +52,11 @@ impl<T> Image<T> {
     /// The pixels, row-major.
     pub fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels
+    }
+
+    /// The pixels, row-major, without a copy.
+    pub fn into_pixels(self) -> Vec<T> {
+        self.pixels
     }
 
     /// Applies `f` to every pixel.

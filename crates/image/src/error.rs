@@ -56,6 +56,12 @@ pub enum ImageError {
         /// The decoder's reason.
         reason: String,
     },
+    /// A file without a byte.
+    #[error("{} is empty", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
     /// The format is unknown.
     #[error("{} has an unknown image format; known for {}", path.display(), if *writing { "writing: exr, hdr, png" } else { "reading: exr, hdr, png, jpg, webp" })]
     UnknownFormat {
@@ -65,7 +71,7 @@ pub enum ImageError {
         writing: bool,
     },
     /// An empty image, or one larger than memory is given for.
-    #[error("an image of {}x{} px is outside the limits: 1x1 to {max_side} px a side and {max_pixels} px in all", size.x, size.y)]
+    #[error("an image of {}x{} px is outside the limits: 1x1 to {max_side} px a side and {max_pixels} px in all; choose another size", size.x, size.y)]
     Size {
         /// What was asked.
         size: UVec2,
@@ -73,6 +79,28 @@ pub enum ImageError {
         max_side: u32,
         /// See [`MAX_PIXELS`](crate::MAX_PIXELS).
         max_pixels: u64,
+    },
+    /// A file that declares a picture larger than memory is given for, or an empty one.
+    #[error("{} declares {}x{} px, which is outside the limits: 1x1 to {max_side} px a side and {max_pixels} px in all; scale it down", path.display(), size.x, size.y)]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What it declares.
+        size: UVec2,
+        /// See [`MAX_SIDE`](crate::MAX_SIDE).
+        max_side: u32,
+        /// [`MAX_PIXELS`](crate::MAX_PIXELS), or what the caller allows.
+        max_pixels: u64,
+    },
+    /// An OpenEXR file whose parts and channels together are more than memory is given for.
+    #[error("{} declares {values} values in the channels of all its parts; the limit is {max_values}; scale it down or keep fewer channels", path.display())]
+    TooManyValues {
+        /// The file.
+        path: PathBuf,
+        /// Pixels × channels, summed over the parts.
+        values: u64,
+        /// The most that is read.
+        max_values: u64,
     },
     /// A channel whose length is not `size.x × size.y`.
     #[error("channel {channel} has {got} values, but the file's size asks for {expected}")]

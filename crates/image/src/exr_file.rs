@@ -4,8 +4,8 @@
 //! the naming that viewers (tev, Blender, djv, Nuke) group by. All channels are 32-bit float, so that ids up to 2²⁴, depths and variances
 //! are exact; [`Precision::Half`] stores colour in 16 bits. Compression is ZIP, which loses nothing.
 
-use crate::limits::check_size_within;
-use crate::{Image, ImageError, MAX_PIXELS, check_size, write_atomic};
+use crate::limits::check_declared;
+use crate::{Image, ImageError, MAX_PIXELS, check_size, read_file, write_atomic};
 use exr::prelude as x;
 use exr::prelude::{ReadChannels, ReadLayers, WritableImage};
 use glam::{IVec2, UVec2, Vec3};
@@ -43,6 +43,9 @@ pub enum Precision {
     /// 16 bits: 11 significant bits, at most 65 504.
     Half,
 }
+
+/// Values, over all parts and channels, that a file may hold for each pixel that its picture may have: 8.6 GB of floats at [`MAX_PIXELS`].
+const VALUES_PER_PIXEL: u64 = 8;
 
 /// Keys we write are `kajo:KEY`, which cannot collide with the attributes OpenEXR defines.
 const METADATA_PREFIX: &str = "kajo:";
@@ -155,7 +158,7 @@ impl ExrFile {
     /// # Errors
     /// A missing or malformed file, deep or subsampled channels (not supported), a size outside the limits.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
-        let bytes = std::fs::read(path).map_err(|reason| ImageError::Read { path: path.to_path_buf(), reason })?;
+        let bytes = read_file(path).map_err(|reason| ImageError::Read { path: path.to_path_buf(), reason })?;
         Self::decode(path, &bytes)
     }
 
@@ -167,7 +170,7 @@ impl ExrFile {
         Self::decode_within(path, bytes, MAX_PIXELS)
     }
 
-    /// [`Self::decode`] that refuses a part of more than `max_pixels`.
+    /// [`Self::decode`] that refuses parts of more than `max_pixels` and, over all parts, more than [`VALUES_PER_PIXEL`] times as many values.
     pub(crate) fn decode_within(path: &Path, bytes: &[u8], max_pixels: u64) -> Result<Self, ImageError> {
         let malformed = |e: exr::error::Error| ImageError::Malformed {
             path: path.to_path_buf(),
@@ -178,11 +181,19 @@ impl ExrFile {
             },
         };
         let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(malformed)?;
+        let mut values = 0u64;
         for header in &meta.headers {
+            let mut largest = 0u64;
             for size in [header.layer_size, header.shared_attributes.display_window.size] {
                 let side = |v: usize| u32::try_from(v).unwrap_or(u32::MAX);
-                check_size_within(UVec2::new(side(size.x()), side(size.y())), max_pixels)?;
+                check_declared(path, UVec2::new(side(size.x()), side(size.y())), max_pixels)?;
+                largest = largest.max(size.area() as u64);
             }
+            values = largest.saturating_mul(header.channels.list.len() as u64).saturating_add(values);
+        }
+        let max_values = VALUES_PER_PIXEL * max_pixels.min(MAX_PIXELS);
+        if values > max_values {
+            return Err(ImageError::TooManyValues { path: path.to_path_buf(), values, max_values });
         }
         let image = x::read()
             .no_deep_data()
@@ -212,7 +223,10 @@ impl ExrFile {
                     name = format!("{prefix}.{name}");
                 }
                 let (layer, channel_name) = name.rsplit_once('.').unwrap_or(("", &name));
-                let values: Vec<f32> = channel.sample_data.values_as_f32().collect();
+                let values: Vec<f32> = match channel.sample_data {
+                    x::FlatSamples::F32(values) => values,
+                    other => other.values_as_f32().collect(),
+                };
                 let values =
                     if origin == IVec2::ZERO && part_size == file.size { values } else { placed(file.size, origin, part_size, &values) };
                 match file.layers.iter_mut().find(|l| l.name == layer) {
@@ -365,6 +379,27 @@ mod tests {
         let message = crate::decode_image(Path::new("a.exr"), &bytes).unwrap_err().to_string();
         assert!(message.contains("found depth.Z"), "{message}");
         assert!(matches!(ExrFile::decode(Path::new("a.exr"), &bytes[..bytes.len() / 2]), Err(ImageError::Malformed { .. })));
+    }
+
+    #[test]
+    fn the_limit_holds_for_all_parts_together() {
+        let part = |name: &str| {
+            let channel = |channel: u32| x::AnyChannel::new(format!("c{channel}").as_str(), x::FlatSamples::F32(vec![0.5; 4]));
+            let channels = x::AnyChannels::sort((0..5).map(channel).collect());
+            x::Layer::new((4, 1), x::LayerAttributes::named(name), x::Encoding::UNCOMPRESSED, channels)
+        };
+        let bytes = |parts: &[&str]| {
+            let parts: x::Layers<_> = parts.iter().map(|name| part(name)).collect();
+            let image = x::Image::from_layers(x::ImageAttributes::with_size((4, 1)), parts);
+            let mut bytes = Cursor::new(Vec::new());
+            image.write().to_buffered(&mut bytes).unwrap();
+            bytes.into_inner()
+        };
+        let decode = |parts: &[&str], max_pixels| ExrFile::decode_within(Path::new("a.exr"), &bytes(parts), max_pixels);
+        assert_eq!(decode(&["a", "b"], 5).unwrap().layers.len(), 2);
+        assert_eq!(decode(&["a"], 4).unwrap().layers.len(), 1, "20 values are within 32");
+        let message = decode(&["a", "b"], 4).unwrap_err().to_string();
+        assert!(message.starts_with("a.exr declares 40 values in the channels of all its parts; the limit is 32;"), "{message}");
     }
 
     #[test]

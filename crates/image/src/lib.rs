@@ -13,6 +13,7 @@ mod hdr;
 mod limits;
 mod png_file;
 mod read;
+mod read_file;
 pub mod tone_map;
 
 pub use atomic::write_atomic;
@@ -22,7 +23,8 @@ pub use exposure::auto_exposure;
 pub use exr_file::{ExrFile, Layer, Precision};
 pub use format::{Written, write_image};
 pub use hdr::write_hdr;
-pub use limits::{MAX_PIXELS, MAX_SIDE, check_size};
+pub use limits::{MAX_PIXELS, MAX_SIDE, check_size, jpeg_is_cut_short};
 pub use png_file::{encode_png, write_png};
 pub use read::{decode_image, decode_image_within, read_image};
+pub use read_file::read_file;
 pub use tone_map::{ToneMap, tone_map};

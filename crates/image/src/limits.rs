@@ -2,6 +2,7 @@
 
 use crate::ImageError;
 use glam::UVec2;
+use std::path::Path;
 
 /// Longest side, px: four times the largest texture any GPU takes.
 pub const MAX_SIDE: u32 = 65_536;
@@ -11,14 +12,24 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 /// # Errors
 /// [`ImageError::Size`] for an empty image and for one over [`MAX_SIDE`] or [`MAX_PIXELS`].
 pub fn check_size(size: UVec2) -> Result<(), ImageError> {
-    check_size_within(size, MAX_PIXELS)
+    if fits(size, MAX_PIXELS) { Ok(()) } else { Err(ImageError::Size { size, max_side: MAX_SIDE, max_pixels: MAX_PIXELS }) }
 }
 
-/// [`check_size`] with another limit on the pixels, at most [`MAX_PIXELS`].
-pub(crate) fn check_size_within(size: UVec2, max_pixels: u64) -> Result<(), ImageError> {
+/// [`check_size`] of the picture that a file declares, with another limit on the pixels, at most [`MAX_PIXELS`].
+pub(crate) fn check_declared(path: &Path, size: UVec2, max_pixels: u64) -> Result<(), ImageError> {
     let max_pixels = max_pixels.min(MAX_PIXELS);
-    let fits = size.min_element() > 0 && size.max_element() <= MAX_SIDE && u64::from(size.x) * u64::from(size.y) <= max_pixels;
-    if fits { Ok(()) } else { Err(ImageError::Size { size, max_side: MAX_SIDE, max_pixels }) }
+    if fits(size, max_pixels) { Ok(()) } else { Err(ImageError::TooLarge { path: path.into(), size, max_side: MAX_SIDE, max_pixels }) }
+}
+
+fn fits(size: UVec2, max_pixels: u64) -> bool {
+    size.min_element() > 0 && size.max_element() <= MAX_SIDE && u64::from(size.x) * u64::from(size.y) <= max_pixels
+}
+
+/// True for a JPEG of `bytes` bytes that cannot hold the `size` it declares: decoders fill what is missing with grey.
+///
+/// The component with the finest samples has a block for each 8 × 8 px, and a block takes at least the one bit of its mean: 512 px a byte.
+pub fn jpeg_is_cut_short(bytes: usize, size: UVec2) -> bool {
+    u64::from(size.x) * u64::from(size.y) > 512 * bytes as u64
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Any picture to linear RGB.
 
-use crate::limits::check_size_within;
-use crate::{ExrFile, Image, ImageError, MAX_PIXELS, MAX_SIDE};
+use crate::limits::{check_declared, jpeg_is_cut_short};
+use crate::{ExrFile, Image, ImageError, MAX_PIXELS, MAX_SIDE, read_file};
 use glam::{UVec2, Vec3};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use kajo_units::{LinearRgb, linear_from_srgb};
@@ -16,7 +16,7 @@ use std::path::Path;
 /// # Errors
 /// A missing or malformed file, an unknown format, a size outside the limits (checked before memory is taken), an EXR without colour.
 pub fn read_image(path: &Path) -> Result<Image<LinearRgb>, ImageError> {
-    let bytes = std::fs::read(path).map_err(|reason| ImageError::Read { path: path.to_path_buf(), reason })?;
+    let bytes = read_file(path).map_err(|reason| ImageError::Read { path: path.to_path_buf(), reason })?;
     decode_image(path, &bytes)
 }
 
@@ -33,6 +33,9 @@ pub fn decode_image(path: &Path, bytes: &[u8]) -> Result<Image<LinearRgb>, Image
 /// # Errors
 /// Those of [`read_image`].
 pub fn decode_image_within(path: &Path, bytes: &[u8], max_pixels: u64) -> Result<Image<LinearRgb>, ImageError> {
+    if bytes.is_empty() {
+        return Err(ImageError::Empty { path: path.to_path_buf() });
+    }
     if ExrFile::recognises(bytes) {
         return ExrFile::decode_within(path, bytes, max_pixels)?.into_color(path);
     }
@@ -50,7 +53,12 @@ pub fn decode_image_within(path: &Path, bytes: &[u8], max_pixels: u64) -> Result
     let malformed = |e: image::ImageError| ImageError::Malformed { path: path.to_path_buf(), format: name, reason: e.to_string() };
     let decoder = reader.into_decoder().map_err(malformed)?;
     let (width, height) = decoder.dimensions();
-    check_size_within(UVec2::new(width, height), max_pixels)?;
+    let size = UVec2::new(width, height);
+    check_declared(path, size, max_pixels)?;
+    if format == ImageFormat::Jpeg && jpeg_is_cut_short(bytes.len(), size) {
+        let reason = format!("it is cut short: {} bytes cannot hold {width}x{height} px", bytes.len());
+        return Err(ImageError::Malformed { path: path.to_path_buf(), format: name, reason });
+    }
     let decoded = DynamicImage::from_decoder(decoder).map_err(malformed)?;
     Ok(to_linear(decoded))
 }
@@ -60,7 +68,9 @@ fn to_linear(decoded: DynamicImage) -> Image<LinearRgb> {
     let size = UVec2::new(decoded.width(), decoded.height());
     let pixels = match decoded {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
-            decoded.into_rgb32f().pixels().map(|p| LinearRgb(Vec3::from_array(p.0))).collect()
+            // Float files are the large ones: their values become pixels where they lie.
+            let values = decoded.into_rgb32f().into_raw();
+            bytemuck::try_cast_vec(values).unwrap_or_else(|(_, values)| bytemuck::pod_collect_to_vec(&values))
         }
         DynamicImage::ImageLuma16(_) | DynamicImage::ImageLumaA16(_) | DynamicImage::ImageRgb16(_) | DynamicImage::ImageRgba16(_) => {
             let table: Vec<f32> = (0..=u16::MAX).map(|v| linear_from_srgb(f32::from(v) / 65_535.0)).collect();
@@ -118,6 +128,15 @@ mod tests {
     }
 
     #[test]
+    fn a_jpeg_too_short_for_its_size_is_refused_and_the_shortest_whole_one_is_read() {
+        let mut bytes = encoded(&image::GrayImage::new(2048, 2048).into(), ImageFormat::Jpeg);
+        assert_eq!(decode_image(Path::new("a"), &bytes).unwrap().size(), UVec2::splat(2048));
+        bytes.truncate(2048 * 2048 / 512 - 1);
+        let message = decode_image(Path::new("a"), &bytes).unwrap_err().to_string();
+        assert_eq!(message, "a is not a readable JPEG image: it is cut short: 8191 bytes cannot hold 2048x2048 px");
+    }
+
+    #[test]
     fn jpeg_is_read_in_srgb() {
         let source = image::RgbImage::from_pixel(16, 16, image::Rgb([188, 188, 188]));
         let read = decode_image(Path::new("a"), &encoded(&source.into(), ImageFormat::Jpeg)).unwrap();
@@ -127,6 +146,7 @@ mod tests {
     #[test]
     fn garbage_truncation_and_absence_are_told_apart() {
         assert!(matches!(decode_image(Path::new("a"), b"hello"), Err(ImageError::UnknownFormat { .. })));
+        assert_eq!(decode_image(Path::new("a"), b"").unwrap_err().to_string(), "a is empty");
         let mut png = encoded(&image::RgbImage::new(64, 64).into(), ImageFormat::Png);
         png.truncate(png.len() / 2);
         assert!(matches!(decode_image(Path::new("a"), &png), Err(ImageError::Malformed { format: "PNG", .. })));
@@ -142,7 +162,7 @@ mod tests {
         png[20..24].copy_from_slice(&claim);
         let crc = crc32(&png[12..29]);
         png[29..33].copy_from_slice(&crc.to_be_bytes());
-        assert!(matches!(decode_image(Path::new("a"), &png), Err(ImageError::Size { size, .. }) if size == UVec2::splat(100_000)));
+        assert!(matches!(decode_image(Path::new("a"), &png), Err(ImageError::TooLarge { size, .. }) if size == UVec2::splat(100_000)));
     }
 
     fn crc32(bytes: &[u8]) -> u32 {

@@ -4,7 +4,7 @@ use crate::experiment::slug;
 use crate::{CompareOptions, LabError};
 use glam::UVec2;
 use kajo_path_tracer::{CameraChoice, Tracer};
-use kajo_scene::{LoadOptions, PlacedCamera, Projection, Scene, Snapshot, load};
+use kajo_scene::{LoadOptions, Scene, SceneError, Snapshot, load};
 use kajo_units::Seconds;
 
 /// A scene, ready for both renderers.
@@ -23,9 +23,6 @@ pub struct Subject {
     pub size: UVec2,
 }
 
-/// Height of the images where no size is given, px.
-const ROWS: u32 = 720;
-
 impl Subject {
     /// Loads scene `index` of the options.
     ///
@@ -33,18 +30,11 @@ impl Subject {
     /// Scenes that cannot be loaded, cameras and animations that are not there.
     pub fn load(options: &CompareOptions, index: usize) -> Result<Self, LabError> {
         let name = options.scenes[index].clone();
-        let mut scene = load(&name, &LoadOptions { environment: options.environment.clone() })?;
-        if let Some(wanted) = &options.animation {
-            let names: Vec<&str> = scene.animations.iter().map(|a| a.name.as_str()).collect();
-            scene.animation = find(wanted, &names).ok_or_else(|| missing(&name, "animation", wanted, &names))?;
-        }
+        let scene = load(&name, &LoadOptions { environment: options.environment.clone(), animation: options.animation.clone() })?;
         let snapshot = Snapshot::new(&scene, Seconds(options.time as f32));
-        let names: Vec<&str> = snapshot.cameras.iter().map(|c| c.camera.name.as_str()).collect();
-        let camera = match &options.camera {
-            Some(wanted) => find(wanted, &names).ok_or_else(|| missing(&name, "camera", wanted, &names))?,
-            None => 0,
-        };
-        let size = options.size.unwrap_or_else(|| default_size(&snapshot.cameras[camera]));
+        let camera = options.camera.as_deref().map_or(Ok(0), |word| snapshot.find_camera(word));
+        let camera = camera.map_err(|unknown| SceneError::UnknownName { scene: name.clone(), unknown })?;
+        let size = options.size.unwrap_or_else(|| snapshot.cameras[camera].camera.default_image_size());
         let stem = name.rsplit(['/', '\\']).next().unwrap_or(&name);
         Ok(Self { slug: format!("{}-{}", index + 1, slug(stem)), name, scene, snapshot, camera, size })
     }
@@ -68,26 +58,6 @@ impl Subject {
     }
 }
 
-/// By name, else by index.
-fn find(wanted: &str, names: &[&str]) -> Option<usize> {
-    names.iter().position(|name| *name == wanted).or_else(|| wanted.parse().ok().filter(|&index| index < names.len()))
-}
-
-fn missing(scene: &str, kind: &str, wanted: &str, names: &[&str]) -> LabError {
-    let known = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-    LabError::Nothing { reason: format!("{scene} has no {kind} \"{wanted}\"; there are: {known}") }
-}
-
-/// 720 rows in the camera's shape, 16:9 where it has none.
-fn default_size(camera: &PlacedCamera) -> UVec2 {
-    let aspect = match camera.camera.projection {
-        Projection::Perspective { aspect, .. } => aspect.unwrap_or(16.0 / 9.0),
-        Projection::Orthographic { xmag, ymag } => (xmag.0 / ymag.0).abs(),
-    };
-    let aspect = if aspect.is_finite() { aspect.clamp(0.1, 10.0) } else { 16.0 / 9.0 };
-    UVec2::new((ROWS as f32 * aspect).round() as u32, ROWS)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -109,8 +79,8 @@ mod tests {
             change(&mut o);
             Subject::load(&o, 0).map(|_| ()).unwrap_err().to_string()
         };
-        assert!(error(&|o| o.camera = Some("side".into())).contains("no camera \"side\"; there are: "));
-        assert!(error(&|o| o.animation = Some("run".into())).contains("no animation \"run\"; there are: none"));
+        assert!(error(&|o| o.camera = Some("side".into())).contains("builtin:shadows: no camera is called \"side\"; there are: "));
+        assert!(error(&|o| o.animation = Some("run".into())).contains("no animation is called \"run\"; there are none"));
         assert!(error(&|o| o.scenes[0] = "builtin:nowhere".into()).contains("nowhere"));
     }
 }

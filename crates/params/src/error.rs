@@ -1,19 +1,14 @@
 //! What can be wrong with a parameter that a user gave.
 
+use kajo_names::UnknownName;
+
 /// A parameter that cannot be used. Messages say what to write instead.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParamError {
     /// No parameter has this name.
-    #[error("no parameter `{name}`{}; {}", did_you_mean(.nearest), they_are(.available))]
-    Unknown {
-        /// The name given.
-        name: String,
-        /// The nearest name there is, when one is near.
-        nearest: Option<&'static str>,
-        /// All names.
-        available: Vec<&'static str>,
-    },
+    #[error(transparent)]
+    Unknown(#[from] UnknownName),
     /// The same name twice.
     #[error("parameter `{name}` is given twice; give it once")]
     Repeated {
@@ -40,12 +35,4 @@ pub enum ParamError {
         /// The range with its unit.
         expected: String,
     },
-}
-
-fn did_you_mean(nearest: &Option<&'static str>) -> String {
-    nearest.map_or_else(String::new, |name| format!(", did you mean `{name}`?"))
-}
-
-fn they_are(available: &[&str]) -> String {
-    if available.is_empty() { "there are none".to_owned() } else { format!("there are: {}", available.join(", ")) }
 }

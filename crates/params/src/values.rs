@@ -1,6 +1,7 @@
 //! Values of parameters without their types: what code that iterates over techniques handles.
 
 use crate::{ParamError, ParamSpec, Value};
+use kajo_names::UnknownName;
 use std::fmt;
 
 /// One checked value for each parameter of a `SPEC`.
@@ -101,10 +102,7 @@ impl ParamValues {
     }
 
     fn unknown(&self, name: &str) -> ParamError {
-        let available: Vec<&'static str> = self.specs.iter().map(|spec| spec.name).collect();
-        let score = |candidate: &&'static str| strsim::jaro_winkler(name, candidate);
-        let nearest = available.iter().copied().max_by(|a, b| score(a).total_cmp(&score(b))).filter(|candidate| score(candidate) > 0.7);
-        ParamError::Unknown { name: name.to_owned(), nearest, available }
+        UnknownName::new("parameter", name, &self.specs.iter().map(|spec| spec.name).collect::<Vec<_>>()).into()
     }
 }
 

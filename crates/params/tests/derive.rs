@@ -75,10 +75,13 @@ fn json_has_numbers_as_people_wrote_them() {
 #[test]
 fn unknown_names_suggest_the_nearest() {
     let text = error("serch_radius", "1").to_string();
-    assert_eq!(text, "no parameter `serch_radius`, did you mean `search_radius`?; there are: search_radius, taps, bias, rotate, filter");
-    assert!(matches!(error("zzz", "1"), ParamError::Unknown { nearest: None, .. }));
+    assert_eq!(
+        text,
+        r#"no parameter is called "serch_radius" (did you mean "search_radius"?); there are: "search_radius", "taps", "bias", "rotate", "filter""#
+    );
+    assert!(matches!(error("zzz", "1"), ParamError::Unknown(unknown) if unknown.nearest.is_none()));
     let text = NoParams::from_pairs(&[("a", "1")]).unwrap_err().to_string();
-    assert_eq!(text, "no parameter `a`; there are none");
+    assert_eq!(text, "no parameter is called \"a\"; there are none");
 }
 
 #[test]

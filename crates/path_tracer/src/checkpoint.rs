@@ -28,7 +28,7 @@ impl Film {
     /// [`PathTracerError::CheckpointRead`], and [`PathTracerError::CheckpointFormat`] for a file that is none, of another version,
     /// or damaged.
     pub fn load(path: &Path) -> Result<Self, PathTracerError> {
-        let bytes = std::fs::read(path).map_err(|source| PathTracerError::CheckpointRead { path: path.into(), source })?;
+        let bytes = kajo_image::read_file(path).map_err(|source| PathTracerError::CheckpointRead { path: path.into(), source })?;
         Self::decode(&bytes).map_err(|problem| PathTracerError::CheckpointFormat { path: path.into(), problem: problem.into() })
     }
 

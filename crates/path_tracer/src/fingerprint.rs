@@ -77,6 +77,7 @@ fn image_hash(h: &mut StableHasher, image: &kajo_scene::TextureImage) {
         Texels::Rgba8(texels) => h.pod(texels),
         Texels::Rgba16(texels) => h.pod(texels),
         Texels::Rgba32F(texels) => h.pod(texels),
+        Texels::Rgb32F(texels) => h.pod(texels),
     }
 }
 

@@ -1,9 +1,11 @@
 //! Writes the seeds of the fuzz targets: small files of every importer, made here.
 //!
-//! `cargo run --example fuzz_seeds -- DIRECTORY` fills DIRECTORY/{gltf,glb,obj,hdr,kajo_toml}.
+//! `cargo run --example fuzz_seeds -- DIRECTORY` fills DIRECTORY/{gltf,glb,obj,hdr,texture,kajo_toml}.
 
 use base64::{Engine, prelude::BASE64_STANDARD};
 use kajo_image::{ExrFile, Image, Layer, write_hdr};
+use kajo_scene::ImportLimits;
+use kajo_scene::gltf::{NoResources, load_gltf_bytes};
 use kajo_units::LinearRgb;
 use serde_json::{Value, json};
 use std::fs;
@@ -15,10 +17,12 @@ type Outcome = Result<(), Box<dyn std::error::Error>>;
 fn main() -> Outcome {
     let directory = std::env::args().nth(1).ok_or("usage: fuzz_seeds DIRECTORY")?;
     let directory = Path::new(&directory);
-    for target in ["gltf", "glb", "obj", "hdr", "kajo_toml"] {
+    for target in ["gltf", "glb", "obj", "hdr", "texture", "kajo_toml"] {
         fs::create_dir_all(directory.join(target))?;
     }
     gltf(directory)?;
+    meshopt(directory)?;
+    basis(directory)?;
     obj(directory)?;
     pictures(directory)?;
     scene_files(directory)
@@ -166,23 +170,8 @@ fn gltf(directory: &Path) -> Outcome {
         "accessors": buffer.accessors,
         "buffers": [{ "byteLength": buffer.bytes.len() }],
     });
-    // The container's parts, divided by a zero byte as the target wants them, and a whole container.
-    let json = document.to_string();
-    write(directory, "glb", "parts", [json.as_bytes(), b"\0", &buffer.bytes].concat())?;
-    let text = json.clone() + &" ".repeat(json.len().next_multiple_of(4) - json.len());
-    buffer.bytes.resize(buffer.bytes.len().next_multiple_of(4), 0);
-    let length = |n: usize| (n as u32).to_le_bytes();
-    let container = [
-        b"glTF\x02\0\0\0".as_slice(),
-        &length(12 + 8 + text.len() + 8 + buffer.bytes.len()),
-        &length(text.len()),
-        b"JSON",
-        text.as_bytes(),
-        &length(buffer.bytes.len()),
-        b"BIN\0",
-        &buffer.bytes,
-    ]
-    .concat();
+    parts(directory, "parts", &document, &buffer.bytes)?;
+    let container = container(&document, &buffer.bytes);
     write(directory, "glb", "whole", &container)?;
     write(directory, "glb", "truncated", &container[..container.len() / 2])?;
     write(directory, "glb", "small", b"{\"asset\":{\"version\":\"2.0\"}}")?;
@@ -193,6 +182,152 @@ fn gltf(directory: &Path) -> Outcome {
     write(directory, "gltf", "cycle", r#"{"asset":{"version":"2.0"},"nodes":[{"children":[1]},{"children":[0]}]}"#)?;
     write(directory, "gltf", "required", r#"{"asset":{"version":"2.0"},"extensionsRequired":["KHR_draco_mesh_compression"]}"#)?;
     write(directory, "gltf", "empty", r#"{"asset":{"version":"2.0"}}"#)
+}
+
+/// A binary glTF file.
+fn container(document: &Value, binary: &[u8]) -> Vec<u8> {
+    let json = document.to_string();
+    let length = |n: usize| (n as u32).to_le_bytes();
+    let padded = |bytes: &[u8], with: u8| {
+        let mut bytes = bytes.to_vec();
+        bytes.resize(bytes.len().next_multiple_of(4), with);
+        bytes
+    };
+    let (json, binary) = (padded(json.as_bytes(), b' '), padded(binary, 0));
+    let total = length(12 + 8 + json.len() + 8 + binary.len());
+    [b"glTF\x02\0\0\0".as_slice(), &total, &length(json.len()), b"JSON", &json, &length(binary.len()), b"BIN\0", &binary].concat()
+}
+
+/// The parts of a container, divided by a zero byte as the target wants them.
+///
+/// # Errors
+/// A file that the importer refuses: such a seed would lead to its refusal alone.
+fn parts(directory: &Path, name: &str, document: &Value, binary: &[u8]) -> Outcome {
+    load_gltf_bytes(name, &container(document, binary), &NoResources, ImportLimits::default())?;
+    write(directory, "glb", name, [document.to_string().as_bytes(), b"\0", binary].concat())
+}
+
+/// A mesh whose every part is compressed with meshopt, each mode and each filter once.
+fn meshopt(directory: &Path) -> Outcome {
+    let mut buffer = Buffer::default();
+    let halves = |values: &[i16]| -> Vec<u8> { values.iter().flat_map(|v| v.to_le_bytes()).collect() };
+    let words = |values: &[u32]| -> Vec<u8> { values.iter().flat_map(|v| v.to_le_bytes()).collect() };
+    // Exponents in the upper byte, mantissas below: (0, 0, 0), (1, 0, 0), (0, 1, 0), (0.5, 0.5, 0).
+    let (half, one) = (0xff00_0001, 1);
+    let corners = attributes(&words(&[0, 0, 0, one, 0, 0, 0, one, 0, half, half, 0]), 12);
+    let up = attributes(&[0, 0, 127, 0].repeat(4), 4);
+    let turns = attributes(&halves(&[0, 2047, 0, 2047, 0, 0, 0, 2047]), 8);
+    let times = attributes(&[0f32, 1.0].map(f32::to_le_bytes).concat(), 4);
+    let strip = indices(&[0, 1, 2, 2, 1, 3]);
+    // Triangles of the reference encoder (meshoptimizer 0.25, codec 1), whose largest index is 1000.
+    let triangles = b"\xe1\xf0\x10\x0f\xff\xff\xff\xc8\x01\xf3\xc7\x01\x0a\xf4\xc0\x01\xbb\x01\xf8\x03\xc6\x0f\
+                      \x00\x76\x87\x56\x67\x78\xa9\x86\x65\x89\x68\x98\x01\x69\x00\x00";
+    let streams: [(&[u8], &str, &str, usize, usize); 6] = [
+        (&corners, "ATTRIBUTES", "EXPONENTIAL", 4, 12),
+        (&up, "ATTRIBUTES", "OCTAHEDRAL", 4, 4),
+        (&turns, "ATTRIBUTES", "QUATERNION", 2, 8),
+        (&times, "ATTRIBUTES", "NONE", 2, 4),
+        (&strip, "INDICES", "NONE", 6, 2),
+        (triangles, "TRIANGLES", "NONE", 18, 2),
+    ];
+    for (stream, mode, filter, count, stride) in streams {
+        let view = buffer.view(stream);
+        let compressed = json!({
+            "buffer": 0, "byteOffset": buffer.views[view]["byteOffset"], "byteLength": stream.len(),
+            "mode": mode, "filter": filter, "count": count, "byteStride": stride,
+        });
+        buffer.views[view] = json!({ "buffer": 1, "byteLength": count * stride, "extensions": { "EXT_meshopt_compression": compressed } });
+    }
+    let document = json!({
+        "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0, 1] }],
+        "nodes": [{ "mesh": 0 }, { "mesh": 1 }],
+        "meshes": [
+            { "primitives": [{ "attributes": { "POSITION": 0, "NORMAL": 1 }, "indices": 4 }] },
+            { "primitives": [{ "attributes": { "POSITION": 6 }, "indices": 5 }] },
+        ],
+        "animations": [{ "samplers": [{ "input": 3, "output": 2 }], "channels": [{ "sampler": 0, "target": { "node": 0, "path": "rotation" } }] }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3" },
+            { "bufferView": 1, "componentType": 5120, "count": 4, "type": "VEC3", "normalized": true },
+            { "bufferView": 2, "componentType": 5122, "count": 2, "type": "VEC4", "normalized": true },
+            { "bufferView": 3, "componentType": 5126, "count": 2, "type": "SCALAR" },
+            { "bufferView": 4, "componentType": 5123, "count": 6, "type": "SCALAR" },
+            { "bufferView": 5, "componentType": 5123, "count": 18, "type": "SCALAR" },
+            { "componentType": 5126, "count": 1001, "type": "VEC3" },
+        ],
+        "bufferViews": buffer.views,
+        "buffers": [{ "byteLength": buffer.bytes.len() }, { "byteLength": 500, "extensions": { "EXT_meshopt_compression": { "fallback": true } } }],
+        "extensionsUsed": ["EXT_meshopt_compression"], "extensionsRequired": ["EXT_meshopt_compression"],
+    });
+    parts(directory, "meshopt", &document, &buffer.bytes)
+}
+
+/// Up to 16 elements of `stride` bytes as the simplest encoder would store them: raw deltas, the first element behind.
+fn attributes(elements: &[u8], stride: usize) -> Vec<u8> {
+    let mut stream = vec![0xa0];
+    for byte in 0..stride {
+        stream.push(3);
+        let mut previous = elements[byte];
+        for index in 0..16 {
+            let value = elements.get(index * stride + byte).copied().unwrap_or(previous);
+            let delta = value.wrapping_sub(previous);
+            stream.push((delta << 1) ^ (((delta as i8) >> 7) as u8));
+            previous = value;
+        }
+    }
+    stream.resize(stream.len() + 32usize.saturating_sub(stride), 0);
+    stream.extend(&elements[..stride]);
+    stream
+}
+
+/// Indices below 32 as deltas to the one before, and the empty tail.
+fn indices(values: &[i8]) -> Vec<u8> {
+    let deltas = std::iter::once(&0).chain(values).zip(values).map(|(previous, value)| value - previous);
+    let zigzag = deltas.map(|delta| ((delta << 1) ^ (delta >> 7)) as u8);
+    [0xd1].into_iter().chain(zigzag.map(|code| code << 1)).chain([0; 4]).collect()
+}
+
+/// KTX 2 files as they are and inside a container.
+fn basis(directory: &Path) -> Outcome {
+    let files: [(&str, &[u8]); 3] = [
+        ("etc1s", include_bytes!("../src/decode/fixtures/etc1s.ktx2")),
+        ("uastc", include_bytes!("../src/decode/fixtures/uastc.ktx2")),
+        ("uastc_zstandard", include_bytes!("../src/decode/fixtures/uastc_zstandard.ktx2")),
+    ];
+    for (name, bytes) in files {
+        write(directory, "texture", name, bytes)?;
+        let mut buffer = Buffer::default();
+        let image = buffer.view(bytes);
+        let document = json!({
+            "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "material": 0 }] }],
+            "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],
+            "textures": [{ "extensions": { "KHR_texture_basisu": { "source": 0 } } }],
+            "images": [{ "bufferView": image, "mimeType": "image/ktx2" }],
+            "accessors": [{ "componentType": 5126, "count": 3, "type": "VEC3" }, { "componentType": 5126, "count": 3, "type": "VEC2" }],
+            "bufferViews": buffer.views,
+            "buffers": [{ "byteLength": buffer.bytes.len() }],
+            "extensionsUsed": ["KHR_texture_basisu"], "extensionsRequired": ["KHR_texture_basisu"],
+        });
+        parts(directory, name, &document, &buffer.bytes)?;
+    }
+    write(directory, "texture", "plain", plain_ktx2())
+}
+
+/// Two texels of 8 bits a channel, with metadata that turn and exchange them.
+fn plain_ktx2() -> Vec<u8> {
+    let pairs = b"\x12\0\0\0KTXorientation\0ru\0\0\0\x10\0\0\0KTXswizzle\0grb1\0";
+    let (descriptor, level) = (104u32, 132u32);
+    let mut file = b"\xabKTX 20\xbb\r\n\x1a\n".to_vec();
+    for word in [37, 1, 1, 2, 0, 0, 1, 1, 0, descriptor, 28, level + 8, pairs.len() as u32, 0, 0, 0, 0, level, 0, 8, 0, 8, 0] {
+        file.extend(word.to_le_bytes());
+    }
+    for word in [28u32, 0, 2 | 24 << 16, 1 | 1 << 8 | 1 << 16, 0, 0, 0] {
+        file.extend(word.to_le_bytes());
+    }
+    file.extend([1, 2, 3, 4, 5, 6, 7, 8]);
+    file.extend(pairs);
+    file
 }
 
 fn obj(directory: &Path) -> Outcome {
@@ -218,6 +353,7 @@ fn pictures(directory: &Path) -> Outcome {
     use image::ImageFormat::{Jpeg, Png, WebP};
     for (format, name) in [(Png, "png"), (Jpeg, "jpg"), (WebP, "webp")] {
         write(directory, "hdr", name, picture(format)?)?;
+        write(directory, "texture", name, picture(format)?)?;
     }
     // Wide enough for run-length coding, and too narrow for it.
     for width in [16, 4] {

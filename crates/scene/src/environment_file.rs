@@ -1,7 +1,7 @@
 //! Environments from files.
 
-use crate::{Environment, Ignored, ImportLimits, SceneError, Texels, TextureImage};
-use kajo_image::{ImageError, decode_image_within};
+use crate::{Environment, Ignored, ImportLimits, MAX_IMAGE_PIXELS, SceneError, Texels, TextureImage};
+use kajo_image::decode_image_within;
 use kajo_units::{LinearRgb, Radians};
 use std::path::Path;
 use std::sync::Arc;
@@ -9,8 +9,9 @@ use std::sync::Arc;
 /// An environment, and what was replaced in its file.
 pub type LoadedEnvironment = (Environment, Vec<Ignored>);
 
-/// Memory of one pixel while a file becomes an environment: decoded, linear and as texels.
-const PEAK_BYTES_PER_PIXEL: u64 = 48;
+/// Memory of one pixel while a file becomes an environment: its floats twice, as an OpenEXR file stores channels apart. (A Radiance file needs
+/// them once; later the table that the environment is sampled by takes the place of the second.)
+const PEAK_BYTES_PER_PIXEL: u64 = 24;
 
 /// Loads a latitude-longitude environment from an HDR, EXR, PNG, JPEG or WebP file; the orientation stands in docs/conventions.md.
 ///
@@ -20,10 +21,10 @@ const PEAK_BYTES_PER_PIXEL: u64 = 48;
 ///
 /// # Errors
 /// A missing or malformed file, a format that is none of the five, a size of 0 or beyond [`kajo_image::MAX_SIDE`] and
-/// [`kajo_image::MAX_PIXELS`] (checked before memory is taken), a file without a finite value.
+/// [`MAX_IMAGE_PIXELS`] (checked before memory is taken), a file without a finite value.
 pub fn load_environment(path: &Path) -> Result<LoadedEnvironment, SceneError> {
     let file = path.display().to_string();
-    let bytes = crate::files::read_file(path).map_err(|source| SceneError::Read { file, source })?;
+    let bytes = kajo_image::read_file(path).map_err(|source| SceneError::Read { file, source })?;
     decode_environment(path, &bytes, ImportLimits::default())
 }
 
@@ -33,26 +34,23 @@ pub fn load_environment(path: &Path) -> Result<LoadedEnvironment, SceneError> {
 /// Those of [`load_environment`].
 pub fn decode_environment(path: &Path, bytes: &[u8], limits: ImportLimits) -> Result<LoadedEnvironment, SceneError> {
     let file = path.display().to_string();
-    let image = decode_image_within(path, bytes, limits.bytes / PEAK_BYTES_PER_PIXEL).map_err(|error| match error {
-        ImageError::Read { reason, .. } => SceneError::Read { file: file.clone(), source: reason },
-        other => SceneError::Image(other),
-    })?;
-    let mut texels: Vec<[f32; 4]> = image.pixels().iter().map(|p| p.0.extend(1.0).to_array()).collect();
+    let image = decode_image_within(path, bytes, MAX_IMAGE_PIXELS.min(limits.bytes / PEAK_BYTES_PER_PIXEL))?;
+    let (width, height) = (image.width(), image.height());
+    let mut texels: Vec<[f32; 3]> = bytemuck::cast_vec(image.into_pixels());
     let ignored = clean(&file, &mut texels)?;
     let name = path.file_name().map_or_else(|| file.clone(), |n| n.to_string_lossy().into_owned());
-    let image = TextureImage { name, width: image.width(), height: image.height(), texels: Texels::Rgba32F(texels) };
+    let image = TextureImage { name, width, height, texels: Texels::Rgb32F(texels) };
     Ok((Environment { image: Some(Arc::new(image)), scale: LinearRgb::WHITE, rotation: Radians(0.0) }, ignored))
 }
 
 /// Replaces what no radiance can be; returns one note for each kind that occurs.
-fn clean(file: &str, texels: &mut [[f32; 4]]) -> Result<Vec<Ignored>, SceneError> {
-    let colors = || texels.iter().flat_map(|t| &t[..3]);
-    let largest = colors().copied().filter(|c| c.is_finite()).fold(f32::NEG_INFINITY, f32::max);
+fn clean(file: &str, texels: &mut [[f32; 3]]) -> Result<Vec<Ignored>, SceneError> {
+    let largest = texels.as_flattened().iter().copied().filter(|c| c.is_finite()).fold(f32::NEG_INFINITY, f32::max);
     if largest == f32::NEG_INFINITY {
         return Err(SceneError::invalid(file, "image", "every value is NaN or infinite; export the environment again"));
     }
     let [mut not_a_number, mut negative, mut infinite] = [0usize; 3];
-    for c in texels.iter_mut().flat_map(|t| &mut t[..3]) {
+    for c in texels.as_flattened_mut() {
         if c.is_nan() {
             not_a_number += 1;
             *c = 0.0;
@@ -97,7 +95,7 @@ mod tests {
         let values = [f32::NAN, -3.0, f32::INFINITY, 7.0];
         let bytes = exr(UVec2::new(4, 1), |x, _| LinearRgb::splat(values[x as usize]));
         let (environment, ignored) = decode_environment(Path::new("bad.exr"), &bytes, ImportLimits::default()).unwrap();
-        let Texels::Rgba32F(texels) = &environment.image.as_ref().unwrap().texels else { panic!("floats") };
+        let Texels::Rgb32F(texels) = &environment.image.as_ref().unwrap().texels else { panic!("floats") };
         assert_eq!(texels.iter().map(|t| t[0]).collect::<Vec<_>>(), [0.0, 0.0, 7.0, 7.0]);
         let features: Vec<_> = ignored.iter().map(|i| i.feature.as_str()).collect();
         assert_eq!(features, ["3 NaN values", "3 negative values", "3 infinite values"]);
@@ -132,7 +130,7 @@ mod tests {
         let size = |x: u32, y: u32| format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {y} +X {x}\n");
         let huge =
             decode_environment(Path::new("huge.hdr"), size(100_000, 100_000).as_bytes(), ImportLimits::default()).unwrap_err().to_string();
-        assert!(huge.contains("100000x100000") && huge.contains("65536"), "{huge}");
+        assert!(huge.contains("huge.hdr declares 100000x100000 px") && huge.contains("65536"), "{huge}");
         let empty = decode_environment(Path::new("empty.hdr"), size(0, 0).as_bytes(), ImportLimits::default()).unwrap_err().to_string();
         assert!(empty.contains("0x0"), "{empty}");
         let truncated = decode_environment(Path::new("cut.hdr"), size(64, 32).as_bytes(), ImportLimits::default()).unwrap_err().to_string();

@@ -56,21 +56,26 @@ impl Environment {
     /// `sin` is integrated exactly over the row. `height × width`, row-major, all weights ≥ 0, unit W/(m² sr) × rad.
     pub fn importance(&self) -> Option<Image<f32>> {
         let image = self.image.as_ref()?;
-        let luminance = Image::from_fn((image.width, image.height).into(), |x, y| {
-            let value = LinearRgb(image.texel(x, y, ColorSpace::Linear).truncate()) * self.scale;
-            value.luminance().max(0.0)
-        });
-        let (width, height) = (image.width, image.height);
-        let along_u = |x: u32, y: u32| {
-            let (left, right) = (if x == 0 { width - 1 } else { x - 1 }, if x + 1 == width { 0 } else { x + 1 });
-            0.75 * luminance.get(x, y) + 0.125 * (luminance.get(left, y) + luminance.get(right, y))
+        let (width, height) = (image.width as usize, image.height);
+        let along_u = |y: u32| -> Vec<f32> {
+            let texel = |x| LinearRgb(image.texel(x, y, ColorSpace::Linear).truncate()) * self.scale;
+            let luminance: Vec<f32> = (0..image.width).map(|x| texel(x).luminance().max(0.0)).collect();
+            let neighbours =
+                |x: usize| luminance[if x == 0 { width - 1 } else { x - 1 }] + luminance[if x + 1 == width { 0 } else { x + 1 }];
+            (0..width).map(|x| 0.75 * luminance[x] + 0.125 * neighbours(x)).collect()
         };
-        Some(Image::from_fn((width, height).into(), |x, y| {
-            let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
-            let mean = 0.75 * along_u(x, y) + 0.125 * (along_u(x, above) + along_u(x, below));
+        // Three rows at a time: a whole image between the two passes would be a quarter of the environment's memory.
+        let mut rows = [Vec::new(), along_u(0), along_u(0)];
+        let mut weights = Vec::with_capacity(width * height as usize);
+        for y in 0..height {
+            rows.rotate_left(1);
+            rows[2] = if y + 1 < height { along_u(y + 1) } else { rows[1].clone() };
             let theta = |row: u32| f64::from(row) / f64::from(height) * std::f64::consts::PI;
-            mean * (theta(y).cos() - theta(y + 1).cos()) as f32
-        }))
+            let row_measure = (theta(y).cos() - theta(y + 1).cos()) as f32;
+            let [above, row, below] = &rows;
+            weights.extend((0..width).map(|x| (0.75 * row[x] + 0.125 * (above[x] + below[x])) * row_measure));
+        }
+        Some(Image::from_pixels((image.width, height).into(), weights))
     }
 }
 

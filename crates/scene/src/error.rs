@@ -1,5 +1,6 @@
 //! What can go wrong between a path and a scene.
 
+use kajo_names::UnknownName;
 use std::io;
 
 /// Why a scene, or a file that belongs to one, cannot be loaded. Each message is one sentence: the file, the place in it, what is wrong, and
@@ -68,6 +69,14 @@ pub enum SceneError {
         reference: String,
         /// What is wrong, and what there is.
         problem: String,
+    },
+    /// A camera or an animation that the scene does not have.
+    #[error("{scene}: {unknown}")]
+    UnknownName {
+        /// The scene.
+        scene: String,
+        /// The name, and those there are.
+        unknown: UnknownName,
     },
     /// A picture cannot be read; the image crate's sentence names the file.
     #[error(transparent)]

@@ -3,7 +3,7 @@
 use crate::{
     Camera, Ignored, Node, Scene, SceneError, Transform, builtin, framing, kajo_toml, lighting, load_environment, load_gltf, load_obj,
 };
-
+use kajo_names::choose;
 use std::path::{Path, PathBuf};
 
 /// How to load a scene.
@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 pub struct LoadOptions {
     /// An environment file that replaces the scene's own.
     pub environment: Option<PathBuf>,
+    /// The animation that plays, by name or number; `None` leaves the scene's own choice.
+    pub animation: Option<String>,
 }
 
 /// Loads the scene that `reference` names: a path ending in `.gltf`, `.glb`, `.obj` or `.toml`, or `builtin:NAME[:N]`.
@@ -26,6 +28,15 @@ pub fn load(reference: &str, options: &LoadOptions) -> Result<Scene, SceneError>
         let (environment, ignored) = load_environment(path)?;
         scene.environment = Some(environment);
         scene.ignored.extend(ignored);
+    }
+    if let Some(word) = &options.animation {
+        let names: Vec<&str> = scene.animations.iter().map(|animation| animation.name.as_str()).collect();
+        scene.animation =
+            choose("animation", word, &names).map_err(|unknown| SceneError::UnknownName { scene: reference.into(), unknown })?;
+    }
+    let shows = |node: &Node| !node.meshes.is_empty() || node.light.is_some();
+    if scene.environment.is_none() && !scene.nodes.iter().any(shows) {
+        return Err(SceneError::invalid(reference, "file", "there is nothing to see in it: no geometry, no light and no environment"));
     }
     complete(&mut scene);
     Ok(scene)
@@ -165,9 +176,31 @@ mod tests {
     }
 
     #[test]
+    fn a_scene_with_nothing_in_it_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let load = |name: &str, text: &str| {
+            std::fs::write(folder.path().join(name), text).unwrap();
+            load(folder.path().join(name).to_str().unwrap(), &LoadOptions::default())
+        };
+        for (name, text) in [("a.kajo.toml", ""), ("a.gltf", r#"{"asset":{"version":"2.0"}}"#)] {
+            let message = load(name, text).unwrap_err().to_string();
+            assert!(message.contains(name) && message.contains("there is nothing to see in it"), "{message}");
+        }
+        assert!(load("sky.kajo.toml", "[environment]\nradiance = 1").is_ok(), "a sky is something");
+    }
+
+    #[test]
+    fn an_animation_is_chosen_by_name_or_number_and_a_missing_one_is_told() {
+        let load = |word: &str| load("builtin:moving", &LoadOptions { animation: Some(word.into()), ..LoadOptions::default() });
+        assert_eq!([load("loop").unwrap().animation, load("0").unwrap().animation], [0, 0]);
+        let message = load("lop").unwrap_err().to_string();
+        assert!(message.starts_with("builtin:moving: no animation is called \"lop\" (did you mean \"loop\"?)"), "{message}");
+    }
+
+    #[test]
     fn the_environment_of_the_options_replaces_the_scenes() {
         let Some(assets) = crate::test_assets::directory() else { return };
-        let options = LoadOptions { environment: Some(assets.join("env/spiaggia_di_mondello_1k.hdr")) };
+        let options = LoadOptions { environment: Some(assets.join("env/spiaggia_di_mondello_1k.hdr")), ..LoadOptions::default() };
         let scene = load("builtin:spheres", &options).unwrap();
         assert_eq!(scene.environment.unwrap().image.unwrap().width, 1024);
     }

@@ -206,6 +206,7 @@ fn image_summary(image: &crate::TextureImage) -> ImageSummary {
         Texels::Rgba8(_) => "rgba8",
         Texels::Rgba16(_) => "rgba16",
         Texels::Rgba32F(_) => "rgba32f",
+        Texels::Rgb32F(_) => "rgb32f",
     };
     ImageSummary { name: image.name.clone(), width: image.width, height: image.height, format, bytes: image.bytes() }
 }

@@ -5,7 +5,7 @@
 //! supersampling: a renderer that takes many samples a pixel integrates the texture itself.
 
 use crate::{ColorSpace, Filter, Scene, Texels, Texture, TextureImage, TextureRef, Wrap};
-use glam::{Vec2, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 use kajo_units::linear_from_srgb;
 
 /// One axis of a lookup: two texels and the weight of the second.
@@ -76,6 +76,7 @@ impl TextureImage {
                 }
             }
             (Texels::Rgba32F(texels), _) => Vec4::from_array(texels[index]),
+            (Texels::Rgb32F(texels), _) => Vec3::from_array(texels[index]).extend(1.0),
         }
     }
 
@@ -87,6 +88,7 @@ impl TextureImage {
             Texels::Rgba8(texels) => f32::from(texels[index][3]) * (1.0 / 255.0),
             Texels::Rgba16(texels) => f32::from(texels[index][3]) * (1.0 / 65535.0),
             Texels::Rgba32F(texels) => texels[index][3],
+            Texels::Rgb32F(_) => 1.0,
         }
     }
 
@@ -96,6 +98,7 @@ impl TextureImage {
             Texels::Rgba8(texels) => size_of_val(texels.as_slice()),
             Texels::Rgba16(texels) => size_of_val(texels.as_slice()),
             Texels::Rgba32F(texels) => size_of_val(texels.as_slice()),
+            Texels::Rgb32F(texels) => size_of_val(texels.as_slice()),
         }
     }
 

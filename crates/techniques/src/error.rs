@@ -1,29 +1,15 @@
 //! What can go wrong with a technique.
 
+use kajo_names::UnknownName;
 use kajo_params::ParamError;
 
 /// Errors of techniques and their registry.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// No role has this name.
-    #[error("no role is called \"{got}\"; there are: {known}")]
-    UnknownRole {
-        /// The name given.
-        got: String,
-        /// Every role.
-        known: String,
-    },
-    /// No technique has this id.
-    #[error("no technique is called \"{got}\"{}; there are: {known}", nearest.map_or_else(String::new, |id| format!(", did you mean {id}?")))]
-    UnknownTechnique {
-        /// The id given.
-        got: String,
-        /// The nearest id there is.
-        nearest: Option<&'static str>,
-        /// Every technique.
-        known: String,
-    },
+    /// No role or technique has this name.
+    #[error(transparent)]
+    UnknownName(#[from] UnknownName),
     /// The technique cannot run on this device.
     #[error("{technique} is skipped: needs {needs}, which this adapter does not have")]
     Needs {

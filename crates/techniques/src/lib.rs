@@ -22,6 +22,7 @@ pub use role::Role;
 pub use technique::{Effect, Make, Technique};
 pub use view::View;
 
+use kajo_names::UnknownName;
 use kajo_params::ParamValues;
 
 /// Every technique, in the order of every list.
@@ -37,13 +38,11 @@ pub fn of_role(role: Role) -> impl Iterator<Item = &'static Technique> {
 /// The technique called `id`.
 ///
 /// # Errors
-/// [`Error::UnknownTechnique`] with the nearest id.
+/// [`Error::UnknownName`] with the nearest id.
 pub fn find(id: &str) -> Result<&'static Technique, Error> {
     all().find(|technique| technique.id == id).ok_or_else(|| {
-        let score = |candidate: &&'static str| strsim::jaro_winkler(id, candidate);
-        let nearest = all().map(|technique| technique.id).max_by(|a, b| score(a).total_cmp(&score(b))).filter(|best| score(best) > 0.7);
-        let known = all().map(|technique| technique.id).collect::<Vec<_>>().join(", ");
-        Error::UnknownTechnique { got: id.to_owned(), nearest, known }
+        let known: Vec<&str> = all().map(|technique| technique.id).collect();
+        UnknownName::new("technique", id, &known).into()
     })
 }
 

@@ -1,5 +1,6 @@
 //! Roles: what a technique may be asked to estimate. A role fixes the output, its unit, the integral, and the reference that judges it.
 
+use kajo_names::UnknownName;
 use kajo_render_graph::{Slot, slot};
 use std::fmt;
 use std::str::FromStr;
@@ -159,11 +160,8 @@ impl FromStr for Role {
     type Err = crate::Error;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let known = || Self::ALL.iter().map(|role| role.id()).collect::<Vec<_>>().join(", ");
-        Self::ALL
-            .into_iter()
-            .find(|role| role.id() == text)
-            .ok_or_else(|| crate::Error::UnknownRole { got: text.to_owned(), known: known() })
+        let unknown = || UnknownName::new("role", text, &Self::ALL.map(Self::id)).into();
+        Self::ALL.into_iter().find(|role| role.id() == text).ok_or_else(unknown)
     }
 }
 

@@ -80,5 +80,5 @@ fn every_technique_can_be_made_on_every_backend() {
 #[test]
 fn an_unknown_id_names_the_nearest() {
     let text = find("shadow/raytraced").unwrap_err().to_string();
-    assert!(text.contains("did you mean shadow/ray-traced?"), "{text}");
+    assert!(text.contains("did you mean \"shadow/ray-traced\"?"), "{text}");
 }

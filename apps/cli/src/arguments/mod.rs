@@ -7,8 +7,11 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::UVec2;
 use kajo_image::ToneMap;
 use kajo_path_tracer::{Filter, Integrator};
+use std::fmt::Display;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::time::Duration;
 
 /// Renders a scene with real-time lighting techniques, shows how wrong each is against a path-traced reference, and what it costs.
 #[derive(Debug, Parser)]
@@ -86,16 +89,16 @@ pub struct Render {
     #[arg(long, value_enum, default_value = "reference")]
     pub renderer: RendererChoice,
     /// Image size; 720 rows in the camera's shape if not given
-    #[arg(long, value_name = "WxH")]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub size: Option<Size>,
     /// Stop after this many samples per pixel [default: 64]
-    #[arg(long, value_name = "N", group = "stop", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", group = "stop", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
     pub spp: Option<u32>,
     /// Stop after this time
-    #[arg(long, value_name = "SECONDS", group = "stop", value_parser = positive)]
-    pub time: Option<f64>,
+    #[arg(long, value_name = "SECONDS", group = "stop", allow_negative_numbers = true, value_parser = seconds)]
+    pub time: Option<Duration>,
     /// Stop when the relative standard error of the image is below this
-    #[arg(long, value_name = "RELERR", group = "stop", value_parser = positive)]
+    #[arg(long, value_name = "RELERR", group = "stop", allow_negative_numbers = true, value_parser = positive)]
     pub noise: Option<f64>,
     /// Camera, environment, time and animation
     #[command(flatten)]
@@ -106,17 +109,17 @@ pub struct Render {
     /// Further images in the same EXR, e.g. direct,albedo,visibility.Lamp; `all` for every one
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub aov: Vec<String>,
-    /// What to estimate
-    #[arg(long, value_parser = named(&Integrator::ALL), default_value = "path")]
-    pub integrator: Integrator,
+    /// What to estimate [default: path]
+    #[arg(long, value_parser = named(&Integrator::ALL))]
+    pub integrator: Option<Integrator>,
     /// Technique for a role of the real-time renderer, with parameters
     #[arg(long, value_name = "ROLE=ID[:param=value,…]")]
     pub technique: Vec<String>,
     /// Frame numbers of a sequence, both inclusive; writes NAME.0001.png and so on
-    #[arg(long, value_name = "A..B", conflicts_with_all = ["frame", "checkpoint"])]
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true, conflicts_with_all = ["frame", "checkpoint"])]
     pub frames: Option<FrameRange>,
     /// Frames per second of --frames
-    #[arg(long, value_name = "N", default_value = "30", value_parser = positive)]
+    #[arg(long, value_name = "N", default_value = "30", allow_negative_numbers = true, value_parser = positive)]
     pub fps: f64,
     /// Keep the unfinished state here, so that --resume can go on
     #[arg(long, value_name = "FILE")]
@@ -139,40 +142,40 @@ pub struct Render {
 #[derive(Debug, Args)]
 pub struct View {
     /// Camera by name or index
-    #[arg(long, value_name = "NAME|INDEX")]
+    #[arg(long, value_name = "NAME|INDEX", allow_negative_numbers = true)]
     pub camera: Option<String>,
     /// Latitude-longitude environment (.hdr, .exr, .png) that replaces the scene's
     #[arg(long, value_name = "FILE")]
     pub env: Option<PathBuf>,
     /// Time of the animation, s
-    #[arg(long, value_name = "T", default_value = "0", value_parser = finite)]
+    #[arg(long, value_name = "T", default_value = "0", allow_negative_numbers = true, value_parser = finite)]
     pub frame: f64,
     /// Animation by name or index [default: the first]
-    #[arg(long, value_name = "NAME|INDEX")]
+    #[arg(long, value_name = "NAME|INDEX", allow_negative_numbers = true)]
     pub animation: Option<String>,
 }
 
-/// How light paths are sampled: shared by render and compare.
+/// How light paths are sampled.
 #[derive(Debug, Args)]
 pub struct Tracing {
-    /// Longest path, in surface bounces; 1 is direct light
-    #[arg(long, value_name = "N", default_value = "32", value_parser = clap::value_parser!(u32).range(0..=10_000))]
-    pub max_depth: u32,
+    /// Longest path, in surface bounces; 1 is direct light [default: 32]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(0..=10_000u32))]
+    pub max_depth: Option<u32>,
     /// No Russian roulette
     #[arg(long)]
     pub no_rr: bool,
     /// Seed of all random numbers
-    #[arg(long, value_name = "N", default_value = "0")]
+    #[arg(long, value_name = "N", default_value = "0", allow_negative_numbers = true, value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
     /// Worker threads [default: all]; does not change the result
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1..=1024u16))]
     pub threads: Option<u16>,
-    /// Random numbers
-    #[arg(long, value_parser = named(SAMPLERS), default_value = "sobol")]
-    pub sampler: SamplerChoice,
-    /// Reconstruction filter
-    #[arg(long, value_parser = named(&Filter::ALL), default_value = "blackman-harris")]
-    pub filter: Filter,
+    /// Random numbers [default: sobol]
+    #[arg(long, value_parser = named(SAMPLERS))]
+    pub sampler: Option<SamplerChoice>,
+    /// Reconstruction filter [default: blackman-harris]
+    #[arg(long, value_parser = named(&Filter::ALL))]
+    pub filter: Option<Filter>,
 }
 
 /// `kajo compare`.
@@ -194,31 +197,31 @@ pub struct Compare {
     #[arg(long, conflicts_with = "technique")]
     pub all: bool,
     /// Image size; 720 rows in the camera's shape if not given
-    #[arg(long, value_name = "WxH")]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub size: Option<Size>,
     /// Samples per pixel of the reference [default: 256]
-    #[arg(long, value_name = "N", group = "reference", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", group = "reference", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
     pub reference_spp: Option<u32>,
     /// Relative standard error at which the reference stops
-    #[arg(long, value_name = "E", group = "reference", value_parser = positive)]
+    #[arg(long, value_name = "E", group = "reference", allow_negative_numbers = true, value_parser = positive)]
     pub reference_noise: Option<f64>,
     /// Timed frames of each technique
-    #[arg(long, value_name = "N", default_value = "10", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value = "10", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
     pub frames: u32,
     /// Repeats with other seeds, which split the error into bias and noise
-    #[arg(long, value_name = "N", default_value = "4", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value = "4", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
     pub repeat: u32,
     /// Recommend the lowest error below this cost
-    #[arg(long, value_name = "X", value_parser = positive)]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = positive)]
     pub budget_ms: Option<f64>,
     /// Camera, environment, time and animation
     #[command(flatten)]
     pub view: View,
     /// Seed of all random numbers
-    #[arg(long, value_name = "N", default_value = "0")]
+    #[arg(long, value_name = "N", default_value = "0", allow_negative_numbers = true, value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
     /// Worker threads of the reference [default: all]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1..=1024u16))]
     pub threads: Option<u16>,
 }
 
@@ -249,10 +252,10 @@ pub struct BenchRays {
     #[arg(long)]
     pub any_hit: bool,
     /// Worker threads [default: all]; does not change the result
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1..=1024u16))]
     pub threads: Option<u16>,
     /// Builds and traces this often; the best counts
-    #[arg(long, value_name = "N", default_value = "5", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value = "5", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
     pub repeat: u32,
 }
 
@@ -358,14 +361,33 @@ impl FromStr for FrameRange {
     }
 }
 
+/// A whole number in a range.
+fn whole<T>(range: RangeInclusive<T>) -> impl Fn(&str) -> Result<T, String> + Clone
+where
+    T: FromStr + PartialOrd + Display + Clone,
+{
+    move |word| {
+        let number = word.parse().ok().filter(|number| range.contains(number));
+        number.ok_or_else(|| format!("expected a whole number from {} to {}", range.start(), range.end()))
+    }
+}
+
+/// A number that single precision, in which images are computed, can hold.
 fn finite(word: &str) -> Result<f64, String> {
     let value: f64 = word.parse().map_err(|_| "expected a number".to_string())?;
-    if value.is_finite() { Ok(value) } else { Err("expected a finite number".into()) }
+    if (value as f32).is_finite() { Ok(value) } else { Err("expected a finite number".into()) }
 }
 
 fn positive(word: &str) -> Result<f64, String> {
     let value = finite(word)?;
-    if value > 0.0 { Ok(value) } else { Err("expected a number above 0".into()) }
+    if value as f32 >= f32::MIN_POSITIVE { Ok(value) } else { Err("expected a number above 0".into()) }
+}
+
+/// A time that no clock overflows at.
+fn seconds(word: &str) -> Result<Duration, String> {
+    const THIRTY_YEARS: f64 = 1e9;
+    let value = positive(word)?;
+    if value <= THIRTY_YEARS { Ok(Duration::from_secs_f64(value)) } else { Err("expected at most 1e9 seconds".into()) }
 }
 
 #[cfg(test)]
@@ -390,6 +412,20 @@ mod tests {
     fn frame_ranges_are_ordered() {
         assert_eq!("3..5".parse(), Ok(FrameRange { first: 3, last: 5 }));
         assert!("5..3".parse::<FrameRange>().is_err());
+    }
+
+    #[test]
+    fn numbers_that_single_precision_cannot_hold_are_refused() {
+        for wrong in ["nan", "inf", "1e39", "-1e39", "x", ""] {
+            assert!(finite(wrong).is_err() && positive(wrong).is_err() && seconds(wrong).is_err(), "{wrong}");
+        }
+        for wrong in ["0", "-1", "1e-50"] {
+            assert!(positive(wrong).is_err() && seconds(wrong).is_err(), "{wrong}");
+        }
+        assert!(seconds("1e10").is_err());
+        assert_eq!((finite("-2.5"), positive("1e-9"), seconds("0.5")), (Ok(-2.5), Ok(1e-9), Ok(Duration::from_millis(500))));
+        assert_eq!(whole(1..=9u16)("12").unwrap_err(), "expected a whole number from 1 to 9");
+        assert_eq!((whole(1..=9u16)("9"), whole(1..=9u16)("-1").is_ok(), whole(0..=9u16)("1.5").is_ok()), (Ok(9), false, false));
     }
 
     #[test]

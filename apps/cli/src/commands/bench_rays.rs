@@ -3,8 +3,10 @@
 use crate::arguments::{BenchRays, Common};
 use crate::failure::{Failure, Outcome};
 use crate::output;
-use anyhow::Context;
+use glam::Vec3;
+use kajo_bvh::Ray;
 use kajo_bvh::bench::{RayBenchOptions, RayBenchReport, bench_rays, rays_from_bytes, triangles_from_bytes};
+use kajo_image::read_file;
 use serde_json::json;
 use std::path::Path;
 
@@ -12,6 +14,10 @@ use std::path::Path;
 pub fn run(common: &Common, arguments: &BenchRays) -> Outcome {
     let triangles = read(&arguments.triangles, "triangles", 9, triangles_from_bytes)?;
     let rays = read(&arguments.rays, "rays", 8, rays_from_bytes)?;
+    if let Some(index) = rays.iter().position(|ray| !is_ray(ray)) {
+        let path = arguments.rays.display();
+        return Err(Failure::run(format!("{path}: ray {index} has a number that is not finite, or no direction; mend or drop it")));
+    }
     let options = RayBenchOptions {
         any_hit: arguments.any_hit,
         threads: arguments.threads.map_or(0, usize::from),
@@ -21,8 +27,16 @@ pub fn run(common: &Common, arguments: &BenchRays) -> Outcome {
     if common.json { output::json(&as_json(&report, arguments)) } else { output::text(&as_text(&report)) }
 }
 
+/// Only the end of a ray may be infinite.
+fn is_ray(ray: &Ray) -> bool {
+    ray.origin.is_finite() && ray.direction.is_finite() && ray.direction != Vec3::ZERO && ray.t_min.is_finite() && !ray.t_max.is_nan()
+}
+
 fn read<T>(path: &Path, what: &str, each: usize, parse: impl Fn(&[u8]) -> Option<Vec<T>>) -> Outcome<Vec<T>> {
-    let bytes = std::fs::read(path).with_context(|| format!("cannot read the {what} {}", path.display()))?;
+    let bytes = read_file(path).map_err(|reason| Failure::run(format!("cannot read the {what} {}: {reason}", path.display())))?;
+    if bytes.is_empty() {
+        return Err(Failure::run(format!("{} is empty: there are no {what} to time", path.display())));
+    }
     parse(&bytes).ok_or_else(|| {
         Failure::run(format!(
             "{} has {} bytes, which is no whole number of {what} of {each} little-endian f32 ({} bytes)",

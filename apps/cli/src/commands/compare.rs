@@ -3,7 +3,7 @@
 use crate::arguments::{Common, Compare};
 use crate::failure::{Failure, Outcome};
 use crate::output;
-use crate::progress;
+use crate::{progress, view};
 use indicatif::ProgressBar;
 use kajo_lab::report::Report;
 use kajo_lab::{CompareOptions, LabError, Progress, ReferenceStop, compare};
@@ -16,13 +16,14 @@ pub fn run(common: &Common, arguments: &Compare) -> Outcome {
     watched.bar.finish_and_clear();
     let report = result.map_err(|error| match error {
         LabError::Technique(_) | LabError::Nothing { .. } => Failure::usage(error),
+        LabError::Scene(error) => view::failure(error),
         other => other.into(),
     })?;
     if common.json {
         return output::json(&report);
     }
     if !common.quiet {
-        tell(&options, &report);
+        return tell(&options, &report);
     }
     Ok(())
 }
@@ -53,17 +54,15 @@ fn options(arguments: &Compare) -> CompareOptions {
 }
 
 /// The advice on stdout, what was skipped on stderr.
-fn tell(options: &CompareOptions, report: &Report) {
+fn tell(options: &CompareOptions, report: &Report) -> Outcome {
     for run in report.runs.iter().filter(|run| !run.is_ok()) {
         eprintln!("note: {}, {}: {}", run.scene, run.label(), run.status);
     }
     for warning in &report.warnings {
         eprintln!("note: {warning}");
     }
-    for decision in &report.decisions {
-        println!("{}, {}: {}", decision.scene, decision.role, decision.sentence);
-    }
-    println!("{}", options.output.join("index.html").display());
+    let decisions = report.decisions.iter().map(|decision| format!("{}, {}: {}\n", decision.scene, decision.role, decision.sentence));
+    output::text(&format!("{}{}\n", decisions.collect::<String>(), options.output.join("index.html").display()))
 }
 
 struct Watched {

@@ -3,11 +3,11 @@
 use crate::arguments::{Common, Info};
 use crate::failure::Outcome;
 use crate::{output, view};
-use kajo_scene::Summary;
+use kajo_scene::{LoadOptions, Summary};
 
 /// Prints contents, sizes and the list of everything ignored.
 pub fn run(common: &Common, arguments: &Info) -> Outcome {
-    let summary = view::load(&arguments.scene, None)?.summary();
+    let summary = view::load(&arguments.scene, &LoadOptions::default())?.summary();
     if common.json { output::json(&summary) } else { output::text(&as_text(&summary)) }
 }
 

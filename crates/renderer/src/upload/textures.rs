@@ -167,7 +167,7 @@ fn format_of(image: &TextureImage, space: ColorSpace) -> Format {
     match (&image.texels, space) {
         (Texels::Rgba8(_), ColorSpace::Srgb) => Format::Srgb,
         (Texels::Rgba8(_), ColorSpace::Linear) => Format::Unorm,
-        (Texels::Rgba16(_) | Texels::Rgba32F(_), _) => Format::Half,
+        (Texels::Rgba16(_) | Texels::Rgba32F(_) | Texels::Rgb32F(_), _) => Format::Half,
     }
 }
 
@@ -187,6 +187,7 @@ fn levels(image: &TextureImage, space: ColorSpace) -> Vec<Level> {
             texels.iter().map(|&[r, g, b, a]| [decode(unit(r)), decode(unit(g)), decode(unit(b)), unit(a)]).collect()
         }
         Texels::Rgba32F(texels) => texels.clone(),
+        Texels::Rgb32F(texels) => texels.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect(),
     };
     let (mut width, mut height) = (image.width, image.height);
     let first = match &image.texels {

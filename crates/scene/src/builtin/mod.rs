@@ -71,7 +71,7 @@ pub fn load(reference: &str) -> Result<Scene, SceneError> {
     let (name, number) = reference.split_once(':').map_or((reference, None), |(name, number)| (name, Some(number)));
     let Some(builtin) = ALL.iter().find(|b| b.name == name) else {
         let names: Vec<_> = ALL.iter().map(|b| b.name).collect();
-        return Err(wrong(match crate::nearest::nearest(name, &names) {
+        return Err(wrong(match kajo_names::nearest(name, names.iter().copied()) {
             Some(nearest) => format!("no built-in scene has this name; did you mean `builtin:{nearest}`?"),
             None => format!("no built-in scene has this name; there are {}", names.join(", ")),
         }));

@@ -6,6 +6,7 @@ use super::Encoded;
 use super::bits::Malformed;
 use super::etc1s::Codebooks;
 use super::ktx2_container::{Container, Supercompression};
+use super::ktx2_metadata::Metadata;
 use super::uastc::decode_block;
 use crate::limits::Budget;
 use crate::{SceneError, Texels};
@@ -41,8 +42,8 @@ impl Number {
     }
 }
 
-/// Width, height and texels of the first level.
-pub fn decode(encoded: &Encoded<'_>, budget: &Budget) -> Result<(u32, u32, Texels), SceneError> {
+/// Width, height and texels of the first level, and the number of levels.
+pub fn decode(encoded: &Encoded<'_>, budget: &Budget) -> Result<((u32, u32, Texels), u32), SceneError> {
     let unsupported = |what: String| SceneError::Unsupported {
         file: encoded.file.into(),
         feature: format!("{} ({what})", encoded.place),
@@ -54,7 +55,8 @@ pub fn decode(encoded: &Encoded<'_>, budget: &Budget) -> Result<(u32, u32, Texel
     if !container.is_flat {
         return Err(unsupported("a KTX 2 volume, array or cube map".into()));
     }
-    let texels = match (container.format, container.color_model, supercompression) {
+    let metadata = Metadata::read(container.metadata).map_err(damaged)?;
+    let mut texels = match (container.format, container.color_model, supercompression) {
         (None, Some(ColorModel::ETC1S), Supercompression::BasisLz) => {
             encoded.claim(budget, width, height, 4)?;
             Texels::Rgba8(etc1s(&container).map_err(damaged)?)
@@ -79,7 +81,8 @@ pub fn decode(encoded: &Encoded<'_>, budget: &Budget) -> Result<(u32, u32, Texel
             )));
         }
     };
-    Ok((width, height, texels))
+    metadata.apply(&mut texels, width as usize);
+    Ok(((width, height, texels), container.levels))
 }
 
 /// The bytes of a level, decompressed where it is; exactly `length` of them.

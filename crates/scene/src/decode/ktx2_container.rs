@@ -30,6 +30,8 @@ pub struct Container<'a> {
     pub levels: u32,
     pub supercompression: Supercompression,
     pub color_model: Option<ColorModel>,
+    /// Keys and values.
+    pub metadata: &'a [u8],
     /// Data that all levels share.
     pub global: &'a [u8],
     /// The first level, as stored.
@@ -61,6 +63,7 @@ impl<'a> Container<'a> {
                 other => Supercompression::Other(other),
             },
             color_model: ColorModel::new(color_model),
+            metadata: part(word(56)?.into(), word(60)?.into()).ok_or("its key/value data lies outside the file")?,
             global: part(long(64)?, long(72)?).ok_or("its global data lies outside the file")?,
             level: part(long(80)?, long(88)?).ok_or("its first level lies outside the file")?,
         })

@@ -5,25 +5,14 @@
 
 use super::*;
 use crate::{ImportLimits, Texels};
-use base64::Engine;
 
-const ETC1S: &str = "q0tUWCAyMLsNChoKAAAAAAEAAAAFAAAAAwAAAAAAAAAAAAAAAQAAAAEAAAABAAAAaAAAADwAAACkAAAAJAAAAMgAAAAAAAAAlAAAAAAAAABcAQAA\
-    AAAAAAIAAAAAAAAAAAAAAAAAAAA8AAAAAAAAAAIAOACjAQIAAwMAAAAAAAAAAAAAAAA/AAAAAAAAAAAA/////0AAPw8AAAAAAAAAAP////8fAAAAS1RYd3JpdGVy\
-    AEJhc2lzIFVuaXZlcnNhbCAxLjE1AAAEAAQAMAAAABEAAAArAAAAAAAAAAAAAAAAAAAAAQAAAAEAAAABAAAAFMCUAAAAAAAAkizwAcwAGAAAAARgy4P00gAwASAA\
-    AAAAgBABiAAQAAAAAJGWZ9gDJCcnJweoUlVVVVVVrVL9/wcAwUQAAAAAAADyX20AmAAAAAAAAEFaAEQgEAAAAAA1AoAJAAAAAAAABBAAQp4=";
-const UASTC: &str = "q0tUWCAyMLsNChoKAAAAAAEAAAAFAAAAAwAAAAAAAAAAAAAAAQAAAAEAAAAAAAAAaAAAACwAAACUAAAALAAAAAAAAAAAAAAAAAAAAAAAAADAAAAA\
-    AAAAACAAAAAAAAAAIAAAAAAAAAAsAAAAAAAAAAIAKACmAQIAAwMAABAAAAAAAAAAAAB/AwAAAAAAAAAA/////x8AAABLVFh3cml0ZXIAQmFzaXMgVW5pdmVyc2Fs\
-    IDEuMTUAAAQAAAB/fwAAaJGo9IJD/N8QMlR2mLqYupbSISriGBj/P0kAsG22bds=";
-const UASTC_ZSTANDARD: &str = "q0tUWCAyMLsNChoKAAAAAAEAAAAFAAAAAwAAAAAAAAAAAAAAAQAAAAEAAAACAAAAaAAAACwAAACUAAAAJAAAAAAAAAAAAAAAAAAAAAAAAAC4\
-    AAAAAAAAACkAAAAAAAAAIAAAAAAAAAAsAAAAAAAAAAIAKACmAQIAAwMAAAAAAAAAAAAAAAB/AwAAAAAAAAAA/////x8AAABLVFh3cml0ZXIAQmFzaXMgVW5pdmVy\
-    c2FsIDEuMTUAACi1L/0gIAEBAGiRCPiCQ//fEDKYutz+3P6e0oEt4hiI/z9JAECS////";
-
-fn fixture(text: &str) -> Vec<u8> {
-    base64::engine::general_purpose::STANDARD.decode(text).unwrap()
-}
+const ETC1S: &[u8] = include_bytes!("fixtures/etc1s.ktx2");
+const UASTC: &[u8] = include_bytes!("fixtures/uastc.ktx2");
+const UASTC_ZSTANDARD: &[u8] = include_bytes!("fixtures/uastc_zstandard.ktx2");
 
 fn try_decode(bytes: &[u8], limits: ImportLimits) -> Result<TextureImage, SceneError> {
-    decode(&Encoded { file: "a.gltf", place: "image 0".into(), name: "sky".into(), bytes }, &Budget::new(limits))
+    let encoded = Encoded { file: "a.gltf", place: "image 0".into(), name: "sky".into(), bytes };
+    decode(&encoded, &Budget::new(limits)).map(|decoded| decoded.image)
 }
 
 fn texels8(bytes: &[u8]) -> Vec<[u8; 4]> {
@@ -79,16 +68,16 @@ fn cross(texels: &[[u8; 4]]) -> ([u8; 5], [u8; 3]) {
 
 #[test]
 fn etc1s_is_decoded_with_alpha() {
-    let texels = texels8(&fixture(ETC1S));
+    let texels = texels8(ETC1S);
     assert_eq!(texels[..5], [[0, 9, 34, 197], [0, 9, 34, 209], [0, 9, 34, 219], [0, 9, 34, 231], [91, 33, 58, 240]]);
     assert_eq!(texels[13..], [[107, 148, 173, 231], [195, 137, 162, 240]]);
 }
 
 #[test]
 fn uastc_is_decoded_with_and_without_zstandard() {
-    assert_eq!(cross(&texels8(&fixture(UASTC))), ([0, 39, 80, 119, 159], [0, 84, 171]));
-    assert_eq!(cross(&texels8(&fixture(UASTC_ZSTANDARD))), ([0, 39, 80, 119, 159], [0, 102, 152]));
-    for texel in texels8(&fixture(UASTC)).chunks_exact(5).flatten() {
+    assert_eq!(cross(&texels8(UASTC)), ([0, 39, 80, 119, 159], [0, 84, 171]));
+    assert_eq!(cross(&texels8(UASTC_ZSTANDARD)), ([0, 39, 80, 119, 159], [0, 102, 152]));
+    for texel in texels8(UASTC).chunks_exact(5).flatten() {
         assert!(texel[2].abs_diff(128) <= 3, "blue is 128 everywhere: {texel:?}");
     }
 }
@@ -130,7 +119,7 @@ fn bits_that_are_no_uastc_block_are_refused() {
 
 #[test]
 fn every_truncation_is_refused() {
-    for file in [fixture(ETC1S), fixture(UASTC), fixture(UASTC_ZSTANDARD), plain(37, 2, 2, &[9; 16])] {
+    for file in [ETC1S.to_vec(), UASTC.to_vec(), UASTC_ZSTANDARD.to_vec(), plain(37, 2, 2, &[9; 16])] {
         for length in 0..file.len() {
             let cut = try_decode(&file[..length], ImportLimits::default());
             assert!(cut.is_err(), "cut to {length} of {}", file.len());
@@ -149,9 +138,48 @@ fn sizes_shapes_and_formats_are_checked() {
     let mut cube = plain(37, 1, 1, &[0; 24]);
     cube[36] = 6;
     assert!(error(&cube).contains("cube map"), "{}", error(&cube));
-    let mut large = fixture(ETC1S);
+    let mut large = ETC1S.to_vec();
     large[20..24].copy_from_slice(&900u32.to_le_bytes());
     assert!(error(&large).contains("the KTX 2 file is damaged: "), "{}", error(&large));
+}
+
+/// The file says that rows run upwards, and that red and green are exchanged.
+#[test]
+fn orientation_and_swizzle_are_applied() {
+    let mut file = plain(23, 1, 2, &[1, 2, 3, 4, 5, 6]);
+    let pairs = [b"\x12\0\0\0KTXorientation\0ru\0\0\0".as_slice(), b"\x10\0\0\0KTXswizzle\0grb1\0"].concat();
+    let offset = file.len() as u32;
+    file[56..60].copy_from_slice(&offset.to_le_bytes());
+    file[60..64].copy_from_slice(&(pairs.len() as u32).to_le_bytes());
+    file.extend(pairs);
+    assert_eq!(texels8(&file), [[5, 4, 6, 255], [2, 1, 3, 255]]);
+    file.pop();
+    assert!(try_decode(&file, ImportLimits::default()).unwrap_err().to_string().contains("key/value data lies outside the file"));
+}
+
+#[test]
+fn dropped_mip_levels_are_noted() {
+    let note = |file: &[u8]| {
+        let encoded = Encoded { file: "a.gltf", place: "image 0".into(), name: "sky".into(), bytes: file };
+        decode(&encoded, &Budget::new(ImportLimits::default())).unwrap().note
+    };
+    let mut file = plain(37, 1, 1, &[9; 4]);
+    assert_eq!(note(&file), None);
+    file[40] = 2;
+    assert_eq!(note(&file), Some(MIP_LEVELS));
+}
+
+/// A small file may declare a large image: it is refused by its pixels, whatever its sides, before memory is taken.
+#[test]
+fn images_of_too_many_pixels_are_refused() {
+    let error = |file: &[u8]| try_decode(file, ImportLimits::default()).unwrap_err().to_string();
+    let large = error(&plain(37, 16_384, 8193, &[]));
+    assert_eq!(large, "`a.gltf`: image 0: a number of pixels of 134234112 exceeds the limit of 134217728; reduce it");
+    assert!(error(&plain(37, 16_384, 8192, &[])).contains("bytes instead of 536870912"), "as many as that are allowed");
+    let mut jpeg = std::io::Cursor::new(Vec::new());
+    image::GrayImage::new(512, 512).write_to(&mut jpeg, image::ImageFormat::Jpeg).unwrap();
+    assert!(try_decode(jpeg.get_ref(), ImportLimits::default()).is_ok());
+    assert!(error(&jpeg.get_ref()[..511]).contains("the JPEG is cut short: 511 bytes cannot hold 512 × 512 px"));
 }
 
 #[test]
@@ -165,7 +193,7 @@ fn mutated_images_never_panic() {
         (state % below as u64) as usize
     };
     let mut decoded = 0;
-    for file in [fixture(ETC1S), fixture(UASTC), fixture(UASTC_ZSTANDARD), plain(37, 2, 2, &[9; 16])] {
+    for file in [ETC1S.to_vec(), UASTC.to_vec(), UASTC_ZSTANDARD.to_vec(), plain(37, 2, 2, &[9; 16])] {
         for _ in 0..2000 {
             let mut file = file.clone();
             for _ in 0..=random(3) {

@@ -40,7 +40,7 @@ use texture::Textures;
 /// [`SceneError`] when the file or one that it refers to cannot be read, breaks the rules of glTF, or requires what Kajo does not do.
 pub fn load_gltf(path: &Path) -> Result<Scene, SceneError> {
     let file = path.display().to_string();
-    let bytes = crate::files::read_file(path).map_err(|source| SceneError::Read { file: file.clone(), source })?;
+    let bytes = kajo_image::read_file(path).map_err(|source| SceneError::Read { file: file.clone(), source })?;
     let folder = Folder(path.parent().unwrap_or(Path::new("")).to_owned());
     load_gltf_bytes(&file, &bytes, &folder, ImportLimits::default())
 }
@@ -175,7 +175,7 @@ fn import_meshes(
         scene.materials.push(read);
         needs_of.insert(material, needs);
     }
-    (scene.textures, scene.images) = textures.finish()?;
+    (scene.textures, scene.images) = textures.finish(notes)?;
 
     let mut meshes: Vec<(Mesh, Option<usize>)> = Vec::new();
     for (&mesh, indices) in &mut meshes_of {

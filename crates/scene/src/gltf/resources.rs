@@ -24,7 +24,7 @@ pub struct Folder(pub PathBuf);
 
 impl ResourceReader for Folder {
     fn read(&self, relative_path: &str) -> io::Result<Vec<u8>> {
-        crate::files::read_file(&self.0.join(relative_path))
+        kajo_image::read_file(&self.0.join(relative_path))
     }
 }
 

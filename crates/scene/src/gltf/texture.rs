@@ -3,10 +3,11 @@
 use super::json::{Image, Texture as TextureJson, TextureInfo};
 use super::notes::Notes;
 use super::resources::{Resources, label};
-use crate::decode::{self, Encoded};
+use crate::decode::{self, Decoded, Encoded};
 use crate::{ColorSpace, Filter, SceneError, Texels, Texture, TextureImage, TextureRef, Wrap};
 use glam::{Affine2, Vec2};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::Arc;
@@ -176,20 +177,25 @@ impl<'r, 'a> Textures<'r, 'a> {
     }
 
     /// Decodes the images.
-    pub fn finish(self) -> Result<(Vec<Texture>, Vec<Arc<TextureImage>>), SceneError> {
+    pub fn finish(self, notes: &mut Notes) -> Result<(Vec<Texture>, Vec<Arc<TextureImage>>), SceneError> {
         let mut used = Distinct::new();
         for source in &self.sources.values {
             used.add(source.image());
         }
         let resources = self.resources;
-        let files: Vec<(Vec<u8>, String, String)> = used.values.iter().map(|&index| self.file(index)).collect::<Result<_, _>>()?;
+        let files: Vec<(Cow<'_, [u8]>, String, String)> = used.values.iter().map(|&index| self.file(index)).collect::<Result<_, _>>()?;
         let budget = resources.budget;
         let file = resources.file;
-        let decoded: Vec<Result<TextureImage, SceneError>> = files
-            .into_par_iter()
-            .map(|(bytes, place, name)| decode::decode(&Encoded { file, place, name, bytes: &bytes }, budget))
+        let results: Vec<Result<Decoded, SceneError>> = files
+            .par_iter()
+            .map(|(bytes, place, name)| decode::decode(&Encoded { file, place: place.clone(), name: name.clone(), bytes }, budget))
             .collect();
-        let decoded: Vec<Arc<TextureImage>> = decoded.into_iter().map(|image| image.map(Arc::new)).collect::<Result<_, _>>()?;
+        let mut decoded = Vec::with_capacity(results.len());
+        for (result, (_, place, _)) in results.into_iter().zip(files) {
+            let Decoded { image, note } = result?;
+            note.into_iter().for_each(|(feature, consequence)| notes.add(&place, feature, consequence));
+            decoded.push(Arc::new(image));
+        }
         let image_of = |index| &decoded[used.index[&index]];
         let images = self.sources.values.iter().map(|source| match *source {
             Source::File(index) => Ok(image_of(index).clone()),
@@ -204,7 +210,7 @@ impl<'r, 'a> Textures<'r, 'a> {
     }
 
     /// The bytes of an image file, its place and its name.
-    fn file(&self, index: usize) -> Result<(Vec<u8>, String, String), SceneError> {
+    fn file(&self, index: usize) -> Result<(Cow<'r, [u8]>, String, String), SceneError> {
         let image: &Image = &self.resources.document.images[index];
         let mut name = image.name.clone();
         if name.is_empty() {
@@ -212,8 +218,8 @@ impl<'r, 'a> Textures<'r, 'a> {
         }
         let place = label("image", index, if name.starts_with("image ") { "" } else { &name });
         let bytes = match (&image.uri, image.buffer_view) {
-            (_, Some(view)) => self.resources.view(view, &place)?.0.to_vec(),
-            (Some(uri), None) => self.resources.fetch(uri, &place)?,
+            (_, Some(view)) => self.resources.view(view, &place)?.0.into(),
+            (Some(uri), None) => self.resources.fetch(uri, &place)?.into(),
             (None, None) => return Err(self.resources.invalid(place, "it has neither a URI nor a buffer view")),
         };
         Ok((bytes, place, name))
@@ -234,6 +240,7 @@ fn roughness(image: &TextureImage, glossiness: f32) -> TextureImage {
         Texels::Rgba8(texels) => texels.iter().map(|t| f32::from(t[3]) / 255.0).collect(),
         Texels::Rgba16(texels) => texels.iter().map(|t| f32::from(t[3]) / 65535.0).collect(),
         Texels::Rgba32F(texels) => texels.iter().map(|t| t[3]).collect(),
+        Texels::Rgb32F(texels) => vec![1.0; texels.len()],
     };
     let texels = alpha.into_iter().map(|a| [65535, ((1.0 - glossiness * a).clamp(0.0, 1.0) * 65535.0).round() as u16, 65535, 65535]);
     TextureImage { name: format!("{} (roughness)", image.name), texels: Texels::Rgba16(texels.collect()), ..*image }

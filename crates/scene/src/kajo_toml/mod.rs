@@ -10,14 +10,14 @@ mod source;
 #[cfg(test)]
 mod tests;
 
-use crate::decode::{self, Encoded};
+use crate::decode::{self, Decoded, Encoded};
 use crate::limits::{Budget, ImportLimits};
-use crate::nearest::nearest;
 use crate::{
-    Animation, ColorSpace, Environment, Filter, Node, Scene, SceneError, Texture, TextureImage, Transform, Wrap, load_environment,
+    Animation, ColorSpace, Environment, Filter, Ignored, Node, Scene, SceneError, Texture, TextureImage, Transform, Wrap, load_environment,
 };
 use format::{Asset, Choice, EnvironmentTable, File, MaterialTable, TextureTable};
 use glam::Vec3;
+use kajo_names::UnknownName;
 use kajo_units::{LinearRgb, Radians};
 use placement::{ANY, FROM_ZERO};
 use source::{Source, Table};
@@ -43,7 +43,7 @@ pub(crate) fn load_nested(path: &Path, depth: usize) -> Result<Scene, SceneError
         let problem = format!("scene files are nested more than {DEEPEST_NESTING} deep; does one name itself?");
         return Err(SceneError::invalid(&file, "file", problem));
     }
-    let bytes = crate::files::read_file(path).map_err(|source| SceneError::Read { file: file.clone(), source })?;
+    let bytes = kajo_image::read_file(path).map_err(|source| SceneError::Read { file: file.clone(), source })?;
     let text = String::from_utf8(bytes).map_err(|error| {
         SceneError::invalid(&file, format!("byte {}", error.utf8_error().valid_up_to()), "it is not UTF-8 text; save it as UTF-8")
     })?;
@@ -141,7 +141,7 @@ impl Composer<'_> {
         let found = (first..self.scene.nodes.len()).find(|&index| self.scene.nodes[index].name == name);
         found.ok_or_else(|| {
             let known: Vec<&str> = self.scene.nodes[first..].iter().map(|node| node.name.as_str()).collect();
-            table.error(unknown("node", name, &known))
+            table.error(UnknownName::new("node", name, &known).to_string())
         })
     }
 
@@ -210,14 +210,14 @@ impl Composer<'_> {
                 Some(asset) => asset.materials.clone(),
                 None => {
                     let known: Vec<&str> = self.assets.iter().map(|asset| asset.name.as_str()).collect();
-                    return Err(table.error(unknown("asset", name, &known)));
+                    return Err(table.error(UnknownName::new("asset", name, &known).to_string()));
                 }
             },
         };
         let matching: Vec<usize> = range.clone().filter(|&index| self.scene.materials[index].name == values.name).collect();
         if matching.is_empty() {
             let known: Vec<&str> = range.map(|index| self.scene.materials[index].name.as_str()).collect();
-            return Err(table.error(unknown("material", &values.name, &known)));
+            return Err(table.error(UnknownName::new("material", &values.name, &known).to_string()));
         }
         let model = reflectance::read(table, values, &|file| self.path(table, file))?;
         for index in matching {
@@ -245,7 +245,8 @@ impl Composer<'_> {
         let image = match self.images.get(&path) {
             Some(&image) => image,
             None => {
-                self.scene.images.push(Arc::new(read_image(&path)?));
+                let image = read_image(&path, &mut self.scene.ignored)?;
+                self.scene.images.push(Arc::new(image));
                 self.images.insert(path, self.scene.images.len() - 1);
                 self.scene.images.len() - 1
             }
@@ -258,12 +259,20 @@ impl Composer<'_> {
     }
 }
 
-fn read_image(path: &Path) -> Result<TextureImage, SceneError> {
+fn read_image(path: &Path, ignored: &mut Vec<Ignored>) -> Result<TextureImage, SceneError> {
     let file = path.display().to_string();
-    let bytes = crate::files::read_file(path).map_err(|source| SceneError::Read { file: file.clone(), source })?;
+    let bytes = kajo_image::read_file(path).map_err(|source| SceneError::Read { file: file.clone(), source })?;
     let name = path.file_name().map_or_else(|| file.clone(), |name| name.to_string_lossy().into_owned());
     let encoded = Encoded { file: &file, place: "image".into(), name, bytes: &bytes };
-    decode::decode(&encoded, &Budget::new(ImportLimits::default()))
+    let Decoded { image, note } = decode::decode(&encoded, &Budget::new(ImportLimits::default()))?;
+    let note = note.map(|(feature, consequence)| Ignored {
+        file,
+        place: "image".into(),
+        feature: feature.into(),
+        consequence: consequence.into(),
+    });
+    ignored.extend(note);
+    Ok(image)
 }
 
 /// The animation of an asset that plays: the one asked for, else the first.
@@ -276,22 +285,7 @@ fn choose_animation(table: &Table, choice: Option<&Choice>, scene: &Scene) -> Re
         Some(Choice::Number(number)) => Err(table.error(format!("`animation` is {number}, but the asset has {count}, counted from 0"))),
         Some(Choice::Name(name)) => scene.animations.iter().position(|a| a.name == *name).map(Some).ok_or_else(|| {
             let known: Vec<&str> = scene.animations.iter().map(|a| a.name.as_str()).collect();
-            table.error(unknown("animation", name, &known))
+            table.error(UnknownName::new("animation", name, &known).to_string())
         }),
-    }
-}
-
-/// The sentence about a name that does not exist.
-fn unknown(kind: &str, name: &str, known: &[&str]) -> String {
-    match nearest(name, known) {
-        Some(near) => format!("there is no {kind} \"{name}\"; did you mean \"{near}\"?"),
-        None if known.is_empty() => format!("there is no {kind} \"{name}\": there are none"),
-        None => {
-            let mut list: Vec<_> = known.iter().take(12).map(|k| format!("\"{k}\"")).collect();
-            if known.len() > list.len() {
-                list.push("…".into());
-            }
-            format!("there is no {kind} \"{name}\"; there are {}", list.join(", "))
-        }
     }
 }

@@ -2,9 +2,9 @@
 
 use super::format::{FormName, MaterialTable};
 use super::source::Table;
-use crate::nearest::nearest;
 use crate::{ReflectanceModel, SceneError};
 use kajo_bsdf::models::{Form, ModelEntry, all, find};
+use kajo_names::UnknownName;
 use kajo_params::ParamKind;
 use std::path::PathBuf;
 use toml::Value;
@@ -18,8 +18,7 @@ pub fn read(
     let Some(id) = &values.model else { return Ok(None) };
     let Some(entry) = find(id) else {
         let ids: Vec<&str> = all().map(|model| model.id).collect();
-        let hint = nearest(id, &ids).map_or_else(|| format!("there are {}", ids.join(", ")), |name| format!("did you mean \"{name}\"?"));
-        return Err(table.error(format!("there is no model \"{id}\"; {hint}")));
+        return Err(table.error(UnknownName::new("model", id, &ids).to_string()));
     };
     let mut pairs = Vec::new();
     for (name, value) in values.params.iter().flatten() {

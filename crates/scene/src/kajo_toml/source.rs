@@ -1,7 +1,7 @@
 //! The text of a file, for messages that name their line, and checks of single values.
 
 use crate::SceneError;
-use crate::nearest::nearest;
+use kajo_names::nearest;
 use std::ops::{Range, RangeInclusive};
 
 /// A file's name and text.
@@ -54,7 +54,7 @@ fn suggestion(message: &str) -> Option<&str> {
         return None;
     }
     let quoted = |text| str::split(text, '`').skip(1).step_by(2);
-    nearest(quoted(unknown).next()?, &quoted(known).collect::<Vec<_>>())
+    nearest(quoted(unknown).next()?, quoted(known))
 }
 
 impl Table<'_> {

@@ -262,8 +262,8 @@ fn materials_are_changed_by_name_and_asset() {
 fn names_that_do_not_exist_are_answered_with_the_nearest() {
     let cornell = "[[asset]]\nname = \"box\"\nfile = \"builtin:cornell\"\n";
     let message = |rest: &str| with_builtins(&format!("{cornell}{rest}")).unwrap_err().to_string();
-    assert!(message("[[material]]\nname = \"whit\"\n").contains("there is no material \"whit\"; did you mean \"white\"?"));
-    assert!(message("[[material]]\nname = \"red\"\nasset = \"bax\"\n").contains("there is no asset \"bax\"; did you mean \"box\"?"));
+    assert!(message("[[material]]\nname = \"whit\"\n").contains("no material is called \"whit\" (did you mean \"white\"?)"));
+    assert!(message("[[material]]\nname = \"red\"\nasset = \"bax\"\n").contains("no asset is called \"bax\" (did you mean \"box\"?)"));
     assert!(message("[[light]]\ntype = \"point\"\nlux = 1\n").contains("line 4"));
     let node = message("[[light]]\ntype = \"point\"\ncandela = 1\nnode = \"larg box\"\n");
     assert!(node.contains("did you mean \"large box\"?"), "{node}");

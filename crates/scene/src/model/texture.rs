@@ -24,6 +24,8 @@ pub enum Texels {
     Rgba16(Vec<[u16; 4]>),
     /// Linear floats.
     Rgba32F(Vec<[f32; 4]>),
+    /// Linear floats without alpha: environments, whose texels are many.
+    Rgb32F(Vec<[f32; 3]>),
 }
 
 /// An image with its sampler and encoding.

@@ -26,7 +26,7 @@ use texture::Images;
 /// decoded. A missing material library or texture is no error: grey stands in, and [`Scene::ignored`] says so.
 pub fn load_obj(path: &Path) -> Result<Scene, SceneError> {
     let file = path.display().to_string();
-    let bytes = crate::files::read_file(path).map_err(|source| SceneError::Read { file: file.clone(), source })?;
+    let bytes = kajo_image::read_file(path).map_err(|source| SceneError::Read { file: file.clone(), source })?;
     let folder = Folder(path.parent().unwrap_or(Path::new("")).to_owned());
     parse_obj(&file, &bytes, &folder, ImportLimits::default())
 }

@@ -1,7 +1,7 @@
 //! Textures of MTL materials: options before the file name, channels gathered as glTF packs them.
 
 use super::{Notes, portable};
-use crate::decode::{self, Encoded};
+use crate::decode::{self, Decoded, Encoded};
 use crate::gltf::ResourceReader;
 use crate::limits::{Budget, ImportLimits};
 use crate::{ColorSpace, Filter, Scene, SceneError, Texels, Texture, TextureImage, TextureRef, Wrap};
@@ -109,7 +109,9 @@ impl<'a> Images<'a> {
             Ok(bytes) => {
                 let name = path.rsplit('/').next().unwrap_or(&path).to_owned();
                 let encoded = Encoded { file: &path, place: "image".into(), name, bytes: &bytes };
-                Some(Arc::new(decode::decode(&encoded, &self.budget)?))
+                let Decoded { image, note } = decode::decode(&encoded, &self.budget)?;
+                note.into_iter().for_each(|(feature, consequence)| notes.add(format!("texture `{path}`"), feature, consequence));
+                Some(Arc::new(image))
             }
             Err(reason) => {
                 notes.add(place, format!("texture `{}`", statement.name), format!("cannot be read ({reason}); its factor stands alone"));

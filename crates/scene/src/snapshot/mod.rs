@@ -9,6 +9,7 @@ mod pose;
 
 use crate::{Camera, Light, Mesh, Scene, framing};
 use glam::{Affine3A, Mat4};
+use kajo_names::{UnknownName, choose};
 use kajo_units::Seconds;
 use pose::Pose;
 use rayon::prelude::*;
@@ -109,6 +110,14 @@ impl Snapshot {
             cameras.push(framing::default_camera(framing::bounds(&meshes, &instances)));
         }
         Self { time, meshes, instances, lights, cameras }
+    }
+
+    /// The index of the camera that `word` names or numbers.
+    ///
+    /// # Errors
+    /// [`UnknownName`] with the cameras there are.
+    pub fn find_camera(&self, word: &str) -> Result<usize, UnknownName> {
+        choose("camera", word, &self.cameras.iter().map(|placed| placed.camera.name.as_str()).collect::<Vec<_>>())
     }
 }
 

@@ -11,6 +11,7 @@ use crate::arguments::bsdf::{Bsdf, Form, ModelChoice, Models};
 use crate::failure::{Failure, Outcome};
 use glam::DVec3;
 use kajo_bsdf::models::{ModelEntry, ModelError, Reflectance, V3, all, find};
+use kajo_names::UnknownName;
 use kajo_params::ParamValues;
 use std::sync::Arc;
 
@@ -57,11 +58,8 @@ fn prepare(entry: &'static ModelEntry, params: &[(String, String)], form: Form) 
 
 fn entry(id: &str) -> Outcome<&'static ModelEntry> {
     find(id).ok_or_else(|| {
-        let score = |entry: &&'static ModelEntry| strsim::jaro_winkler(id, entry.id);
-        let nearest = all().max_by(|a, b| score(a).total_cmp(&score(b))).filter(|entry| score(entry) > 0.7);
-        let hint = nearest.map_or_else(String::new, |entry| format!(", did you mean `{}`?", entry.id));
         let ids: Vec<&str> = all().map(|entry| entry.id).collect();
-        Failure::usage(format!("no model `{id}`{hint}; there are: {}", ids.join(", ")))
+        Failure::Usage(UnknownName::new("model", id, &ids).into())
     })
 }
 

@@ -33,27 +33,40 @@ fn check(arguments: &Render) -> Outcome {
     if arguments.renderer == RendererChoice::Reference && !arguments.technique.is_empty() {
         return Err(Failure::usage("--technique chooses for the real-time renderer; add --renderer realtime"));
     }
+    let tracing = &arguments.tracing;
     let reference_only = [
         ("--spp", arguments.spp.is_some()),
         ("--time", arguments.time.is_some()),
         ("--noise", arguments.noise.is_some()),
         ("--checkpoint", arguments.checkpoint.is_some()),
+        ("--integrator", arguments.integrator.is_some()),
+        ("--max-depth", tracing.max_depth.is_some()),
+        ("--no-rr", tracing.no_rr),
+        ("--threads", tracing.threads.is_some()),
+        ("--sampler", tracing.sampler.is_some()),
+        ("--filter", tracing.filter.is_some()),
     ];
     if let Some((flag, _)) = reference_only.iter().find(|(_, given)| *given && arguments.renderer == RendererChoice::Realtime) {
         return Err(Failure::usage(format!("{flag} is for the path tracer; remove it or --renderer realtime")));
     }
-    let outputs = [Some(&arguments.output), arguments.stats.as_ref(), arguments.checkpoint.as_ref()];
-    outputs.into_iter().flatten().try_for_each(|path| write::check_folder(path))
+    let outputs: Vec<&PathBuf> = std::iter::once(&arguments.output).chain(&arguments.stats).chain(&arguments.checkpoint).collect();
+    for (index, path) in outputs.iter().enumerate() {
+        if outputs[..index].contains(path) {
+            return Err(Failure::usage(format!(
+                "{} is to be written twice; give -o, --stats and --checkpoint different names",
+                path.display()
+            )));
+        }
+        write::check_folder(path)?;
+    }
+    Ok(())
 }
 
 /// Times and files of the frames.
-fn frames(arguments: &Render) -> Vec<(f64, PathBuf)> {
-    match arguments.frames {
-        None => vec![(arguments.view.frame, arguments.output.clone())],
-        Some(range) => {
-            (range.first..=range.last).map(|number| (f64::from(number) / arguments.fps, numbered(&arguments.output, number))).collect()
-        }
-    }
+fn frames(arguments: &Render) -> impl Iterator<Item = (f64, PathBuf)> {
+    let single = arguments.frames.is_none().then(|| (arguments.view.frame, arguments.output.clone()));
+    let numbers = arguments.frames.into_iter().flat_map(|range| range.first..=range.last);
+    single.into_iter().chain(numbers.map(|number| (f64::from(number) / arguments.fps, numbered(&arguments.output, number))))
 }
 
 /// `dir/name.0007.png`.

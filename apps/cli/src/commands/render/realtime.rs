@@ -19,7 +19,7 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     let roles = roles(&arguments.technique)?;
     let (snapshot, camera) = view::snapshot(scene, &arguments.view, time)?;
     let previous = Snapshot::new(scene, Seconds((time - 1.0 / arguments.fps) as f32));
-    let size = view::image_size(arguments.size.map(|size| size.0), &snapshot.cameras[camera]);
+    let size = arguments.size.map_or_else(|| snapshot.cameras[camera].camera.default_image_size(), |size| size.0);
     let device = Device::new()?;
     let settings = RendererSettings { camera, ..RendererSettings::new(size) };
     let mut renderer = Renderer::new(&device, scene, &snapshot, settings)?;

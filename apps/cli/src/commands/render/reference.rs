@@ -29,15 +29,15 @@ const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
 pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output: &Path) -> Outcome {
     let started = Instant::now();
     let (snapshot, camera) = view::snapshot(scene, &arguments.view, time)?;
-    let size = view::image_size(arguments.size.map(|size| size.0), &snapshot.cameras[camera]);
+    let size = arguments.size.map_or_else(|| snapshot.cameras[camera].camera.default_image_size(), |size| size.0);
     let previous = Snapshot::new(scene, Seconds((time - 1.0 / arguments.fps) as f32));
     let tracer = Tracer::new(scene, snapshot)?.with_previous(previous)?;
     let build_seconds = started.elapsed().as_secs_f64();
 
-    let settings = settings(arguments, size, camera, aovs(&arguments.aov, &tracer, arguments.tracing.max_depth)?);
+    let settings = settings(arguments, size, camera, aovs(&arguments.aov, &tracer, max_depth(arguments))?);
     let film = resumed(arguments)?;
     let watch = Watch::new(common, arguments.checkpoint.clone(), output);
-    let film = in_pool(arguments.tracing.threads, || render(&tracer, &settings, stop(arguments), film, &watch))??;
+    let film = in_pool(arguments.tracing.threads, || render(&tracer, &settings, stop(arguments), film, &watch))?.map_err(failure)?;
     watch.bar.finish_and_clear();
     if let Some(path) = &arguments.checkpoint {
         film.save(path)?;
@@ -62,22 +62,34 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     Ok(())
 }
 
+/// An image that does not exist is wrong usage.
+fn failure(error: PathTracerError) -> Failure {
+    match error {
+        PathTracerError::Aov { .. } => Failure::Usage(error.into()),
+        other => other.into(),
+    }
+}
+
+fn max_depth(arguments: &Render) -> u32 {
+    arguments.tracing.max_depth.unwrap_or(Settings::default().max_depth)
+}
+
 fn settings(arguments: &Render, size: UVec2, camera: usize, aovs: Vec<Aov>) -> Settings {
-    let Tracing { max_depth, no_rr, seed, sampler, filter, .. } = arguments.tracing;
+    let Tracing { no_rr, seed, sampler, filter, .. } = arguments.tracing;
     Settings {
         size,
         camera: CameraChoice::Index(camera),
-        integrator: arguments.integrator,
-        max_depth,
+        integrator: arguments.integrator.unwrap_or_default(),
+        max_depth: max_depth(arguments),
         russian_roulette: if no_rr { RussianRoulette::Off } else { RussianRoulette::default() },
-        sampler: match sampler {
+        sampler: match sampler.unwrap_or(SamplerChoice::Sobol) {
             SamplerChoice::Sobol => SamplerKind::Sobol,
             SamplerChoice::Independent => SamplerKind::Independent,
             SamplerChoice::BlueNoise => {
                 SamplerKind::BlueNoise { log2_samples: stop(arguments).spp.unwrap_or(DEFAULT_SPP).next_power_of_two().ilog2() }
             }
         },
-        filter,
+        filter: filter.unwrap_or_default(),
         seed,
         aovs,
         ..Settings::default()
@@ -86,7 +98,7 @@ fn settings(arguments: &Render, size: UVec2, camera: usize, aovs: Vec<Aov>) -> S
 
 fn stop(arguments: &Render) -> Stop {
     match (arguments.spp, arguments.time, arguments.noise) {
-        (_, Some(seconds), _) => Stop::at_time(Duration::from_secs_f64(seconds)),
+        (_, Some(time), _) => Stop::at_time(time),
         (_, _, Some(noise)) => Stop::at_noise(noise as f32),
         (spp, _, _) => Stop::at_spp(spp.unwrap_or(DEFAULT_SPP)),
     }
@@ -100,7 +112,7 @@ fn aovs(words: &[String], tracer: &Tracer, max_depth: u32) -> Outcome<Vec<Aov>> 
         if word == "all" {
             aovs.extend(tracer.all_aovs(max_depth.min(MAX_BOUNCE_LAYERS)));
         } else {
-            aovs.push(word.parse().map_err(|error: PathTracerError| Failure::Usage(error.into()))?);
+            aovs.push(word.parse().map_err(failure)?);
         }
     }
     let mut unique = Vec::new();
@@ -188,7 +200,7 @@ fn stats(arguments: &Render, frame: &Frame, build_seconds: f64, bvh_bytes: usize
         "width": frame.size.x,
         "height": frame.size.y,
         "spp": frame.spp,
-        "max_depth": arguments.tracing.max_depth,
+        "max_depth": max_depth(arguments),
         "seed": arguments.tracing.seed,
         "samples": frame.samples,
         "rays": frame.rays,

@@ -58,6 +58,25 @@ pub enum Lobe<T> {
         /// Width of slopes along y, in (0, 1].
         alpha_y: T,
     },
+    /// Half vectors by D cos δ/π, D of Trowbridge and Reitz: 1/(m_x m_y (cos²δ + sin²δ (cos²φ/m_x² + sin²φ/m_y²))²).    [Walter07]
+    LongTail {
+        /// Slope along x, > 0.
+        mx: T,
+        /// Slope along y, > 0.
+        my: T,
+    },
+    /// Half vectors by D cos δ/π, D of Schlick (3.7): m_φ²/(m_x m_y) cos²δ/(m cos⁴δ − r cos⁴δ + r)², r = 1/(2m), 1/m² = cos²φ/m_x² + sin²φ/m_y².
+    SchlickSlopes {
+        /// Slope along x, > 0.
+        mx: T,
+        /// Slope along y, > 0.
+        my: T,
+    },
+    /// Directions whose projection on the surface is Gaussian about that of the mirror direction: exp(−|ω_xy + ω_o,xy|²/w²) cos θ/(π w²).
+    Diffracted {
+        /// Width w of the Gaussian, > 0.
+        width: T,
+    },
 }
 
 /// At most this many lobes make a mixture: a diffuse one, and as many as Lafortune's model has rows.
@@ -125,7 +144,7 @@ impl<T: Scalar> Lobe<T> {
                 let phi = quadrant_azimuth(v, my / mx);
                 let (c2, s2) = (phi.cos().squared(), phi.sin().squared());
                 let tan2 = -(T::one() - u).ln() / (c2 / mx.squared() + s2 / my.squared());
-                mirror(wo, from_cos_phi((T::one() / (T::one() + tan2)).sqrt(), phi))
+                mirror(wo, from_tan2_phi(tan2, phi))
             }
             Self::GaussChord { mx, my } => {
                 let phi = quadrant_azimuth(v, my / mx);
@@ -150,6 +169,25 @@ impl<T: Scalar> Lobe<T> {
                 let point = from_cos_phi((T::one() - u) * (T::one() + bound) - bound, two_pi * v);
                 let h = point + stretched;
                 mirror(wo, V3::new(alpha_x * h.x, alpha_y * h.y, h.z.max(T::of(1e-18))).normalized())
+            }
+            Self::LongTail { mx, my } => {
+                let phi = quadrant_azimuth(v, my / mx);
+                let (c2, s2) = (phi.cos().squared(), phi.sin().squared());
+                mirror(wo, from_tan2_phi(u / (T::one() - u) / (c2 / mx.squared() + s2 / my.squared()), phi))
+            }
+            Self::SchlickSlopes { mx, my } => {
+                // cos⁴δ = (1 − u)/(1 + u (2m² − 1)); tan²δ = (1 − cos⁴δ)/(cos²δ (1 + cos²δ)), in which nothing cancels.
+                let phi = quadrant_azimuth(v, my / mx);
+                let twice_m2 = T::of(2.0) / (phi.cos().squared() / mx.squared() + phi.sin().squared() / my.squared());
+                let rest = T::one() / (T::one() + u * (twice_m2 - T::one()));
+                let cos2 = ((T::one() - u) * rest).sqrt().max(T::of(1e-12));
+                mirror(wo, from_tan2_phi(u * twice_m2 * rest / (cos2 * (T::one() + cos2)), phi))
+            }
+            Self::Diffracted { width } => {
+                let (radius, phi) = (width * (-(T::one() - u).ln()).sqrt(), two_pi * v);
+                let (x, y) = (radius * phi.cos() - wo.x, radius * phi.sin() - wo.y);
+                let cos2 = T::one() - x.squared() - y.squared();
+                (cos2 > T::zero()).then(|| V3::new(x, y, cos2.max(T::zero()).sqrt()))
             }
         }
     }
@@ -202,6 +240,18 @@ impl<T: Scalar> Lobe<T> {
                     if wi.z <= T::zero() && over_cap < T::zero() { T::zero() } else { T::of(2.0) * wo.dot(h) / (bound + stretched) };
                 scale * inverse_pi / (alpha_x * alpha_y * spread.squared())
             }),
+            Self::LongTail { mx, my } => half_vector_pdf(wi, wo, |h| {
+                let e = (h.x / mx).squared() + (h.y / my).squared();
+                h.z * inverse_pi / (mx * my * (h.z.squared() + e).squared())
+            }),
+            Self::SchlickSlopes { mx, my } => half_vector_pdf(wi, wo, |h| {
+                let (e, c2) = ((h.x / mx).squared() + (h.y / my).squared(), h.z.squared());
+                h.z * c2 * inverse_pi / (mx * my * (c2.squared() + T::of(0.5) * e * (T::one() + c2)).squared())
+            }),
+            Self::Diffracted { width } => {
+                let exponent = ((wi.x + wo.x).squared() + (wi.y + wo.y).squared()) / width.squared();
+                (-exponent).exp() * wi.z.max(T::zero()) * inverse_pi / width.squared()
+            }
         }
     }
 }
@@ -245,6 +295,14 @@ fn from_cos_phi<T: Real>(cos: T, phi: T) -> V3<T> {
     V3::new(phi.cos() * sin, phi.sin() * sin, cos)
 }
 
+/// As [`from_cos_phi`], without cancellation for small angles.
+#[inline]
+fn from_tan2_phi<T: Real>(tan2: T, phi: T) -> V3<T> {
+    let cos = T::one() / (T::one() + tan2).sqrt();
+    let sin = tan2.sqrt() * cos;
+    V3::new(phi.cos() * sin, phi.sin() * sin, cos)
+}
+
 /// atan(ratio · tan 2πv), kept in the quadrant of 2πv.
 #[inline]
 fn quadrant_azimuth<T: Scalar>(v: T, ratio: T) -> T {
@@ -267,7 +325,7 @@ pub(super) fn to_frame<T: Scalar>(axis: V3<T>, local: V3<T>) -> V3<T> {
 mod tests {
     use super::*;
 
-    const LOBES: [Lobe<f64>; 13] = [
+    const LOBES: [Lobe<f64>; 18] = [
         Lobe::Cosine,
         Lobe::Power { axis: V3 { x: 0.6, y: 0.0, z: 0.8 }, n: 0.0 },
         Lobe::Power { axis: V3 { x: 0.6, y: 0.0, z: 0.8 }, n: 30.0 },
@@ -281,6 +339,11 @@ mod tests {
         Lobe::Rational { r: 0.1, p: 0.3 },
         Lobe::VisibleGgx { alpha_x: 0.1, alpha_y: 0.5 },
         Lobe::VisibleGgx { alpha_x: 1.0, alpha_y: 1.0 },
+        Lobe::LongTail { mx: 0.1, my: 0.3 },
+        Lobe::SchlickSlopes { mx: 0.2, my: 0.2 },
+        Lobe::SchlickSlopes { mx: 0.15, my: 0.5 },
+        Lobe::Diffracted { width: 0.1 },
+        Lobe::Diffracted { width: 0.6 },
     ];
 
     /// Sorts samples and the integral of the density into the same cells and returns the worst deviation in standard deviations.

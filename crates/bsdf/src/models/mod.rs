@@ -3,6 +3,7 @@
 //! A model states its equation once over [`Real`]; [`all`] lists every model as data. Values for both directions above the surface are f in 1/sr, or, for
 //! the older shading functions, S; see [`Kind`]. Where the print of a source has a defect, [`Form`] chooses between print and correction.
 
+mod counting;
 mod geometry;
 mod lobe;
 mod model;
@@ -18,14 +19,19 @@ pub mod ambient;
 pub mod ashikhmin_shirley;
 pub mod blinn_phong;
 pub mod blocks;
+pub mod cook_torrance;
+pub mod htsg;
 pub mod lambert;
 pub mod minnaert;
 pub mod oren_nayar;
 pub mod phong;
 pub mod principled;
 pub mod schlick;
+pub mod schlick_cook_torrance;
+pub mod torrance_sparrow;
 pub mod ward;
 
+pub use counting::{Counted, CountedMask, Operations};
 pub use geometry::Geometry;
 pub use lobe::{Lobe, MOST_LOBES, Mixture};
 pub use model::{Claims, Evaluate, Form, Kind, Made, Model, ModelEntry, ModelError, Parameters, Reflectance, diffuse_and, make};
@@ -45,6 +51,10 @@ const ALL: &[&ModelEntry] = &[
     &blinn_phong::BRDF,
     &blinn_phong::BSF,
     &phong::SCHLICK_BSF,
+    &torrance_sparrow::MODEL,
+    &cook_torrance::MODEL,
+    &schlick_cook_torrance::MODEL,
+    &htsg::MODEL,
     &ward::MODEL,
     &schlick::SINGLE,
     &schlick::DOUBLE,

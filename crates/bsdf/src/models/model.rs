@@ -1,7 +1,7 @@
 //! What a reflectance model is: parameters as data, an equation over any number, the lobes it is sampled from; and the same without types,
 //! for code that iterates over all models.
 
-use super::{Geometry, Lobe, Mixture, Real, Rgb, Scalar, V3};
+use super::{Counted, Geometry, Lobe, Mixture, Operations, Real, Rgb, Scalar, V3};
 use glam::{DVec3, Vec3};
 use kajo_params::{ParamError, ParamSet, ParamSpec, ParamValues};
 use std::f64::consts::FRAC_1_PI;
@@ -200,6 +200,11 @@ pub trait Reflectance: Send + Sync {
     /// The constants of the GPU's side.
     fn constants(&self) -> Vec<f32>;
 
+    /// What one evaluation costs, given the half vector; `None` for models of tables.
+    fn operations(&self, _wi: DVec3, _wo: DVec3) -> Option<Operations> {
+        None
+    }
+
     /// f·cos θ_i in 1/sr, or S, which contains the cosine.
     fn f_cos(&self, wi: DVec3, wo: DVec3) -> DVec3 {
         match self.kind() {
@@ -228,6 +233,7 @@ pub fn make<M: Model>(values: &ParamValues, form: Form) -> Made {
     Ok(Arc::new(Prepared::<M> {
         double: M::formula(&params, form),
         single: M::formula(&params, form),
+        counted: M::formula(&params, form),
         ambient: DVec3::from_array(M::ambient(&params)),
     }))
 }
@@ -235,6 +241,7 @@ pub fn make<M: Model>(values: &ParamValues, form: Form) -> Made {
 struct Prepared<M: Model> {
     double: M::Formula<f64>,
     single: M::Formula<f32>,
+    counted: M::Formula<Counted>,
     ambient: DVec3,
 }
 
@@ -302,6 +309,11 @@ impl<M: Model> Reflectance for Prepared<M> {
 
     fn constants(&self) -> Vec<f32> {
         M::constants(&self.single)
+    }
+
+    fn operations(&self, wi: DVec3, wo: DVec3) -> Option<Operations> {
+        let geometry = Geometry::new(V3::of(wi.to_array()), V3::of(wo.to_array()));
+        Some(Operations::of(|| self.counted.value(&geometry)).1)
     }
 }
 

@@ -212,3 +212,40 @@ pub fn assert_samples_follow(model: &dyn Reflectance, theta_r: f64, phi_r: f64) 
     let fault = chi_square(model, |wi, wo| model.pdf(wi, wo) * if wi.y > 0.0 { 1.05 } else { 0.95 }, theta_r, phi_r);
     assert!(fault < 0.001, "planted fault: p = {fault}");
 }
+
+/// Pseudo-random directions, among them grazing ones, the retro-reflection Θ_i = Θ_r, and mirror pairs with Θ_h = N.
+pub fn extreme_pair(rng: &mut kajo_sampling::Rng, k: u32) -> (DVec3, DVec3) {
+    let mut direction = |kind: u32| {
+        let theta = match kind {
+            0 => 0.0,
+            1 => 89.999,
+            2 => f64::from(rng.next_1d()) * 1e-3,
+            3 => 90.0 - f64::from(rng.next_1d()) * 0.1,
+            _ => f64::from(rng.next_1d()) * 90.0,
+        };
+        directions([theta, f64::from(rng.next_1d()) * 360.0, 0.0, 0.0]).0
+    };
+    let wi = direction(k % 7);
+    match k / 7 % 9 {
+        0 => (wi, wi),
+        1 => (wi, DVec3::new(-wi.x, -wi.y, wi.z)),
+        kind => (wi, direction(kind - 2)),
+    }
+}
+
+/// Asserts that value, density and samples are finite and not negative, in both precisions.
+#[track_caller]
+pub fn assert_finite(model: &dyn Reflectance, wi: DVec3, wo: DVec3) {
+    let good = |v: DVec3| v.is_finite() && v.min_element() >= 0.0;
+    assert!(good(model.value(wi, wo)), "{} at {wi} {wo}", model.value(wi, wo));
+    let (wi32, wo32) = (wi.as_vec3(), wo.as_vec3());
+    let single = model.value_f32(wi32, wo32);
+    assert!(good(single.as_dvec3()), "f32: {single} at {wi} {wo}");
+    for pdf in [model.pdf(wi, wo), f64::from(model.pdf_f32(wi32, wo32))] {
+        assert!(pdf.is_finite() && pdf >= 0.0, "density {pdf} at {wi} {wo}");
+    }
+    let u = [wi.x.abs(), wi.y.abs(), wi.z.abs()].map(|v| v.min(0.999_999));
+    let sample = model.sample(wo, u).unwrap_or(DVec3::Z);
+    let sample32 = model.sample_f32(wo32, u.map(|v| v as f32)).map_or(DVec3::Z, |s| s.as_dvec3());
+    assert!((sample.length() - 1.0).abs() < 1e-6 && (sample32.length() - 1.0).abs() < 1e-4, "samples {sample} {sample32} at {wo}");
+}

@@ -1,5 +1,10 @@
-//! What models are built from: parts that stand on their own and can be exchanged.
+//! What models are built from, each part exchangeable by name: highlights, distributions D of facets, their attenuation G, Fresnel's reflectance F.
 
+pub mod distribution;
+pub mod fresnel;
 pub mod highlight;
 pub mod highlight_shading;
+pub mod masking;
+pub mod metals;
+pub mod microfacet;
 pub mod survey_pdfs;

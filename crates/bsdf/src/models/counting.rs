@@ -193,9 +193,9 @@ impl Real for Counted {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::models::Form;
     use crate::models::blocks::{distribution, fresnel, highlight, masking};
     use crate::models::testing::{SETS, directions, model};
-    use crate::models::Form;
 
     fn rational(add: u32, mul: u32, div: u32) -> Operations {
         Operations { add, mul, div, ..Operations::NONE }

@@ -166,6 +166,7 @@ const IRON: &[[f64; 3]] = &[
     [821.0, 2.94, 3.39],
 ];
 
+#[allow(clippy::approx_constant, reason = "the extinction at 451 nm, measured")]
 const CHROMIUM: &[[f64; 3]] = &[
     [381.0, 1.92, 2.74],
     [397.0, 2.0, 2.83],

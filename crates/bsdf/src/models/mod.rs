@@ -12,6 +12,8 @@ pub mod radiometry;
 mod real;
 pub mod shading;
 #[cfg(test)]
+mod registry_tests;
+#[cfg(test)]
 pub(crate) mod testing;
 mod vector;
 

@@ -10,9 +10,9 @@ mod model;
 mod quadrature;
 pub mod radiometry;
 mod real;
-pub mod shading;
 #[cfg(test)]
 mod registry_tests;
+pub mod shading;
 #[cfg(test)]
 pub(crate) mod testing;
 mod vector;

@@ -82,7 +82,8 @@ impl<T: Real> Evaluate<T> for Formula<T> {
                 let half = (alpha + beta) * T::of(0.5);
                 let direct = self.a + cos_phi * c2 * tan_beta + (T::one() - cos_phi.abs()) * c3 * (half.sin() / half.cos());
                 let between = self.between * (T::one() - cos_phi * share.squared());
-                self.rho.times(Rgb::splat(direct) + self.rho * between) * T::of(FRAC_1_PI)
+                // Deviation: at grazing angles the fitted C₂ tan β outweighs the rest and f would be negative.
+                self.rho.times(Rgb::splat(direct) + self.rho * between).map(|f| f.max(T::zero())) * T::of(FRAC_1_PI)
             }
         }
     }

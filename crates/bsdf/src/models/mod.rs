@@ -22,6 +22,7 @@ pub mod ashikhmin_shirley;
 pub mod blinn_phong;
 pub mod blocks;
 pub mod cook_torrance;
+pub mod ggx;
 pub mod htsg;
 pub mod lambert;
 pub mod minnaert;
@@ -61,6 +62,7 @@ const ALL: &[&ModelEntry] = &[
     &schlick::SINGLE,
     &schlick::DOUBLE,
     &ashikhmin_shirley::MODEL,
+    &ggx::MODEL,
     &principled::MODEL,
 ];
 

@@ -24,6 +24,7 @@ pub mod blocks;
 pub mod cook_torrance;
 pub mod ggx;
 pub mod htsg;
+pub mod lafortune;
 pub mod lambert;
 pub mod minnaert;
 pub mod oren_nayar;
@@ -31,6 +32,7 @@ pub mod phong;
 pub mod principled;
 pub mod schlick;
 pub mod schlick_cook_torrance;
+pub mod strauss;
 pub mod torrance_sparrow;
 pub mod ward;
 
@@ -58,10 +60,12 @@ const ALL: &[&ModelEntry] = &[
     &cook_torrance::MODEL,
     &schlick_cook_torrance::MODEL,
     &htsg::MODEL,
+    &strauss::MODEL,
     &ward::MODEL,
     &schlick::SINGLE,
     &schlick::DOUBLE,
     &ashikhmin_shirley::MODEL,
+    &lafortune::MODEL,
     &ggx::MODEL,
     &principled::MODEL,
 ];

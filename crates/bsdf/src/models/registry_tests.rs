@@ -29,8 +29,10 @@ fn random_model(entry: &ModelEntry, rng: &mut Rng) -> Option<Arc<dyn Reflectance
             ParamKind::Int { min, max } => (number(min.into(), max.into()) as i32).to_string(),
             ParamKind::Bool => (number(0.0, 1.0) < 0.5).to_string(),
             ParamKind::Choice { names } => names[(number(0.0, 1.0) * names.len() as f64).min(names.len() as f64 - 1.0) as usize].to_owned(),
-            ParamKind::Rows { min, max } => {
-                (0..2).map(|_| [0; 4].map(|_| number(min, max).to_string()).join(",")).collect::<Vec<_>>().join(";")
+            // Cosine lobes: with coefficients up to 1 every exponent is allowed, with others hardly any.
+            ParamKind::Rows { max, .. } => {
+                let mut lobe = || format!("{},{},{},{}", number(-1.0, 1.0), number(-1.0, 1.0), number(-1.0, 1.0), number(0.0, max));
+                format!("{};{}", lobe(), lobe())
             }
             ParamKind::Path => continue,
         };

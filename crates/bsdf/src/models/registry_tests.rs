@@ -76,8 +76,10 @@ fn every_model_is_finite_and_not_negative_for_a_million_inputs() {
     let materials = 100;
     for entry in analytic {
         let mut rng = Rng::new(41);
-        let mut made = 0;
+        let (mut made, mut tried) = (0, 0);
         while made < materials {
+            tried += 1;
+            assert!(tried < 100 * materials, "{}: only {made} of {tried} materials can be made", entry.id);
             let Some(model) = random_model(entry, &mut rng) else { continue };
             made += 1;
             for _ in 0..each / materials + 1 {
@@ -139,6 +141,7 @@ const SURVEYED: &[(&str, &[(&str, &str)])] = &[
     ("phong", &[("kd", "0.3"), ("ks", "0.7"), ("n", "20")]),
     ("blinn-phong", &[("kd", "0.3"), ("ks", "0.7"), ("n", "20")]),
     ("ashikhmin-shirley", &[("rs", "0.4"), ("rd", "0.6"), ("nx", "10"), ("ny", "60")]),
+    ("lafortune", &[("kd", "0.2"), ("lobe", "-1,-1,0.8,20"), ("lobe", "-1,-0.6,0.9,20")]),
     ("torrance-sparrow", &[]),
     ("cook-torrance", &[("kd", "0.2"), ("ks", "0.8"), ("m", "0.3"), ("eta", "0.2"), ("kappa", "3")]),
     ("ward", &[("kd", "0.3"), ("ks", "0.7"), ("m", "0.2")]),

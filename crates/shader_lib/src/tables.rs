@@ -5,8 +5,8 @@ use kajo_bsdf::tables::{self, HAT_AXIS_NODES, HAT_NODES, ROUGHNESS_NODES};
 /// Name of the buffer's binding: bind [`bsdf_tables`] under it wherever a shader imports the material.
 pub const BSDF_TABLES: &str = "bsdf_tables";
 
-/// GGX albedo and its average (pairs of factors of f0 and f90), sheen, glass, hat functions and their averages, anisotropic white albedo
-/// and its average, one after the other.
+/// GGX albedo and its average (pairs of factors of f0 and f90), sheen, glass, hat functions and their averages, then for anisotropic facets
+/// white albedo, mean cosine, average (pairs) and glass, one after the other.
 pub fn bsdf_tables() -> Vec<f32> {
     let mut out = Vec::new();
     out.extend(tables::GGX_ALBEDO.as_flattened());
@@ -15,8 +15,10 @@ pub fn bsdf_tables() -> Vec<f32> {
     out.extend(tables::GLASS_ALBEDO);
     out.extend(tables::GGX_HAT_ALBEDO);
     out.extend((0..ROUGHNESS_NODES).flat_map(hat_albedo_average));
-    out.extend(tables::GGX_ANISO_ALBEDO);
-    out.extend(tables::GGX_ANISO_ALBEDO_AVERAGE);
+    out.extend(tables::ANISO_WHITE.iter());
+    out.extend(tables::ANISO_MEAN_COS.iter());
+    out.extend(tables::ANISO_AVERAGE.iter());
+    out.extend(tables::ANISO_GLASS.iter());
     out
 }
 

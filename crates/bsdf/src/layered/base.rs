@@ -15,10 +15,11 @@ pub(super) struct Base {
     /// Fresnel of metal and dielectric together.
     f0: Vec3,
     f90: Vec3,
-    /// Fresnel that takes light from the diffuse lobe: the largest channel, so that the rest keeps its colour.
+    /// Fresnel that takes light from the diffuse lobe: the largest channel, so that the rest keeps its colour. A film takes each channel
+    /// for itself (deviation from KHR_materials_iridescence, which takes the largest): what it does not reflect, it lets through.
     layer_f0: f32,
     layer_f90: f32,
-    layer_ms: f32,
+    layer_ms: Vec3,
     /// Share of the opaque dielectric × base colour.
     diffuse_albedo: Vec3,
     /// `diffuse_albedo` / (π (1 − Ē_layer)).
@@ -39,7 +40,7 @@ impl Base {
         let opaque = (1.0 - metallic) * (1.0 - unit(params.transmission));
         let color = unit3(params.base_color.0);
         let (dielectric_f0, dielectric_f90) = dielectric_reflectances(params);
-        let average = if opaque > 0.0 { facets.dielectric_albedo_average() } else { facets.albedo_average() };
+        let average = facets.albedo_average();
         let film = FilmFresnel::new(params, color, dielectric_f0, dielectric_f90, metallic, opaque);
         let white = average.white();
         let (f0, f90) = (metallic * color + opaque * dielectric_f0, Vec3::splat(metallic) + opaque * dielectric_f90);
@@ -48,14 +49,14 @@ impl Base {
         let (ms, layer_ms) = match &film {
             None => (
                 metallic * ms_of(color, Vec3::ONE) + opaque * ms_of(dielectric_f0, dielectric_f90),
-                ms_of(Vec3::splat(layer_f0), Vec3::splat(layer_f90)).x,
+                ms_of(Vec3::splat(layer_f0), Vec3::splat(layer_f90)),
             ),
             Some(film) => film.multiple_scattering(white),
         };
         let layer_average = match &film {
-            None => layer_f0 * average.f0 + layer_f90 * average.f90 + layer_ms * (1.0 - white),
-            Some(film) => film.layer_average(facets) + layer_ms * (1.0 - white),
-        };
+            None => Vec3::splat(layer_f0 * average.f0 + layer_f90 * average.f90),
+            Some(film) => film.layer_average(facets),
+        } + layer_ms * (1.0 - white);
         let diffuse_albedo = opaque * color;
         Self {
             facets,
@@ -66,7 +67,7 @@ impl Base {
             layer_ms,
             diffuse_albedo,
             // A layer that reflects everything leaves nothing; the guard keeps 0 · ∞ away.
-            diffuse_scale: diffuse_albedo * FRAC_1_PI / (1.0 - layer_average).max(1e-4),
+            diffuse_scale: diffuse_albedo * FRAC_1_PI / (Vec3::ONE - layer_average).max(Vec3::splat(1e-4)),
             ms: if white < 1.0 - 1e-5 { ms } else { Vec3::ZERO },
             ms_scale: FRAC_1_PI / (1.0 - white).max(1e-5),
             film,
@@ -99,13 +100,10 @@ impl Base {
 
     /// Albedo of single-scattering reflection, and of the whole layer above the diffuse lobe.
     #[inline]
-    fn albedos(&self, v: Vec3, e: GgxAlbedo) -> (Vec3, f32) {
+    fn albedos(&self, v: Vec3, e: GgxAlbedo) -> (Vec3, Vec3) {
         let ms = self.layer_ms * (1.0 - e.white());
         match &self.film {
-            None => {
-                let e = if self.diffuse_albedo == Vec3::ZERO { e } else { self.facets.dielectric_albedo(v, e) };
-                (e.with(self.f0, self.f90), self.layer_f0 * e.f0 + self.layer_f90 * e.f90 + ms)
-            }
+            None => (e.with(self.f0, self.f90), ms + self.layer_f0 * e.f0 + self.layer_f90 * e.f90),
             Some(film) => {
                 let (specular, layer) = film.albedos(self.facets, v, e);
                 (specular, layer + ms)
@@ -130,7 +128,7 @@ pub(super) struct BaseView {
     /// 1 − E(o).
     lost: f32,
     /// 1 − E_layer(o).
-    below: f32,
+    below: Vec3,
     pub diffuse_chance: f32,
     pub specular_chance: f32,
 }
@@ -140,17 +138,17 @@ impl BaseView {
     pub fn new(base: &Base, wo: Vec3) -> Self {
         if base.is_lambert {
             let diffuse_chance = mean(base.diffuse_albedo);
-            return Self { wo, specular_albedo: Vec3::ZERO, lost: 0.0, below: 1.0, diffuse_chance, specular_chance: 0.0 };
+            return Self { wo, specular_albedo: Vec3::ZERO, lost: 0.0, below: Vec3::ONE, diffuse_chance, specular_chance: 0.0 };
         }
         let e = base.facets.albedo(wo);
         let (specular_albedo, layer) = base.albedos(wo, e);
-        let (lost, below) = ((1.0 - e.white()).max(0.0), (1.0 - layer).max(0.0));
+        let (lost, below) = ((1.0 - e.white()).max(0.0), (Vec3::ONE - layer).max(Vec3::ZERO));
         Self {
             wo,
             specular_albedo,
             lost,
             below,
-            diffuse_chance: mean(base.diffuse_albedo) * below + mean(base.ms) * lost,
+            diffuse_chance: mean(base.diffuse_albedo * below) + mean(base.ms) * lost,
             specular_chance: mean(specular_albedo),
         }
     }
@@ -165,7 +163,7 @@ impl BaseView {
         let mut diffuse = Vec3::ZERO;
         if base.diffuse_albedo != Vec3::ZERO {
             let layer = base.albedos(wi, e).1;
-            diffuse = base.diffuse_scale * (self.below * (1.0 - layer).max(0.0) * wi.z);
+            diffuse = base.diffuse_scale * self.below * (Vec3::ONE - layer).max(Vec3::ZERO) * wi.z;
         }
         let mut specular = base.ms * (base.ms_scale * self.lost * (1.0 - e.white()).max(0.0) * wi.z);
         if let Some(f) = facets {

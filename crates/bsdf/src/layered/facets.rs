@@ -2,16 +2,12 @@
 
 use super::unit;
 use crate::microfacet::{
-    GgxAlbedo, MIN_ALPHA, alpha_of_albedo, ggx_albedo, ggx_albedo_aniso, ggx_albedo_aniso_average, ggx_albedo_average, ggx_cap_bound,
-    ggx_sample_reflection, ggx_sample_vndf, glass_albedo, stretched_length,
+    GgxAlbedo, MIN_ALPHA, ggx_albedo, ggx_albedo_aniso, ggx_albedo_aniso_average, ggx_albedo_average, ggx_cap_bound, ggx_sample_reflection,
+    ggx_sample_vndf, glass_albedo, glass_albedo_aniso, stretched_length,
 };
-use crate::tables::quadrature;
 use crate::{MaterialParams, reflect, schlick_weight};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
-
-/// Points of the quadratures that stand in for tables of anisotropic dielectrics, which would have five dimensions.
-const ANISOTROPIC_POINTS: u32 = 24;
 
 /// Width and orientation of the facets.
 #[derive(Clone, Copy, Debug)]
@@ -104,42 +100,11 @@ impl Facets {
         }
     }
 
-    /// [`Facets::albedo`] whose split into f0 and f90 is right for anisotropic facets too, by a small quadrature.
-    #[inline]
-    pub fn dielectric_albedo(self, v: Vec3, e: GgxAlbedo) -> GgxAlbedo {
-        if self.is_delta || self.rotation.is_none() {
-            return e;
-        }
-        let [f0, f90] = quadrature::ggx_albedo(self.to_facets(v), self.alpha, ANISOTROPIC_POINTS);
-        let scale = e.white() / (f0 + f90).max(1e-3);
-        GgxAlbedo { f0: f0 * scale, f90: f90 * scale }
-    }
-
-    /// Mean over the cosine-weighted hemisphere of [`Facets::dielectric_albedo`].
-    pub fn dielectric_albedo_average(self) -> GgxAlbedo {
-        let average = self.albedo_average();
-        if self.is_delta || self.rotation.is_none() {
-            return average;
-        }
-        // Three Gauss points in cos² θ, which is uniform there, times two azimuths in the quadrant. To first order wo·m depends on
-        // the slope along wo alone, so the isotropic lobe as wide as that gives the split; single directions differ by up to 0.1.
-        let mut f90 = 0.0;
-        for (cos2, weight) in [(0.112_702, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298, 5.0 / 18.0)] {
-            for phi in [0.331_9, 1.238_9] {
-                let v = quadrature::direction(f32::sqrt(cos2), phi);
-                let along = (self.alpha * Vec2::from_angle(phi)).length();
-                let e = ggx_albedo(along, v.z);
-                f90 += 0.5 * weight * ggx_albedo_aniso(self.alpha, v).white() * e.f90 / e.white();
-            }
-        }
-        GgxAlbedo { f0: average.white() - f90, f90 }
-    }
-
     /// Share of light that glass with these facets reflects or transmits.
     pub fn glass_albedo(self, v: Vec3, eta: f32) -> f32 {
         match self.rotation {
             None => glass_albedo(self.alpha.x, v.z, eta),
-            Some(_) => quadrature::glass_albedo(self.to_facets(v), self.alpha, eta, 4 * ANISOTROPIC_POINTS),
+            Some(_) => glass_albedo_aniso(self.alpha, self.to_facets(v), eta),
         }
     }
 
@@ -151,9 +116,18 @@ impl Facets {
         if self.rotation.is_none() { ggx_albedo_average(self.alpha.x) } else { ggx_albedo_aniso_average(self.alpha) }
     }
 
-    /// Width by which tables that only know isotropic facets are read.
+    /// Isotropic facets with the same product of widths.
+    pub fn of_equal_area(self) -> Self {
+        if self.rotation.is_none() { self } else { Self::isotropic((self.alpha.x * self.alpha.y).sqrt()) }
+    }
+
+    /// Width by which tables that only know isotropic facets are read: the one along `v` near the horizon, that of equal area from above.
     pub fn isotropic_alpha(self, v: Vec3) -> f32 {
-        if self.rotation.is_none() { self.alpha.x } else { alpha_of_albedo(self.albedo(v).white(), v.z) }
+        if self.rotation.is_none() {
+            return self.alpha.x;
+        }
+        let v = self.to_facets(v);
+        (Vec2::new(self.alpha.x * v.x, self.alpha.y * v.y).length_squared() + v.z * v.z * self.alpha.x * self.alpha.y).sqrt()
     }
 }
 

@@ -15,8 +15,8 @@ use glam::Vec3;
 pub(super) struct FilmFresnel {
     /// Metal and dielectric with their weights.
     sum: [Vec3; HAT_NODES],
-    /// Largest channel of the dielectric, without weight.
-    layer: [f32; HAT_NODES],
+    /// The dielectric, without weight.
+    layer: [Vec3; HAT_NODES],
     metallic: f32,
     opaque: f32,
     metal_average: Vec3,
@@ -37,7 +37,7 @@ impl FilmFresnel {
         };
         let mut film = Self {
             sum: [Vec3::ZERO; HAT_NODES],
-            layer: [0.0; HAT_NODES],
+            layer: [Vec3::ZERO; HAT_NODES],
             metallic,
             opaque,
             metal_average: Vec3::ZERO,
@@ -57,7 +57,7 @@ impl FilmFresnel {
                 Vec3::ZERO
             };
             film.sum[k] = metallic * metal + opaque * dielectric;
-            film.layer[k] = dielectric.max_element();
+            film.layer[k] = dielectric;
             film.metal_average += cosine_weight(k) * metal;
             film.dielectric_average += cosine_weight(k) * dielectric;
         }
@@ -71,42 +71,40 @@ impl FilmFresnel {
     }
 
     /// Albedo of the reflection seen from `v`, and of the layer above the diffuse lobe; `e` is that of white facets.
-    pub fn albedos(&self, facets: Facets, v: Vec3, e: GgxAlbedo) -> (Vec3, f32) {
+    pub fn albedos(&self, facets: Facets, v: Vec3, e: GgxAlbedo) -> (Vec3, Vec3) {
         if facets.is_delta {
             let (k, t) = place(v.z, HAT_NODES);
-            return (self.at(v.z), self.layer[k] + t * (self.layer[k + 1] - self.layer[k]));
+            return (self.at(v.z), self.layer[k].lerp(self.layer[k + 1], t));
         }
         let weights = hat_albedos(facets.isotropic_alpha(v), v.z);
         // The finer table knows the sum better.
         let scale = e.white() / weights.iter().sum::<f32>().max(1e-3);
-        let (mut sum, mut layer) = (Vec3::ZERO, 0.0);
+        let (mut sum, mut layer) = (Vec3::ZERO, Vec3::ZERO);
         for (weight, (f, l)) in weights.iter().zip(self.sum.iter().zip(&self.layer)) {
             sum += weight * *f;
-            layer += weight * l;
+            layer += weight * *l;
         }
         (sum * scale, layer * scale)
     }
 
-    /// Cosine-weighted mean over directions of the layer's albedo.
-    pub fn layer_average(&self, facets: Facets) -> f32 {
-        // Midpoints in cos²; along the diagonal of anisotropic facets, which have the mean of both axes there.
+    /// Cosine-weighted mean over directions of the layer's albedo. Anisotropic facets share theirs out as those of equal area do.
+    pub fn layer_average(&self, facets: Facets) -> Vec3 {
+        // Midpoints in cos².
         const STEPS: usize = 48;
-        (0..STEPS)
-            .map(|s| {
-                let c = ((s as f32 + 0.5) / STEPS as f32).sqrt();
-                let r = ((1.0 - c * c) * 0.5).sqrt();
-                let v = Vec3::new(r, r, c);
-                self.albedos(facets, v, facets.albedo(v)).1 / STEPS as f32
-            })
-            .sum()
+        let isotropic = facets.of_equal_area();
+        let mean = (0..STEPS).fold(Vec3::ZERO, |sum, s| {
+            let c = ((s as f32 + 0.5) / STEPS as f32).sqrt();
+            let v = Vec3::new((1.0 - c * c).sqrt(), 0.0, c);
+            sum + self.albedos(isotropic, v, isotropic.albedo(v)).1 * (1.0 / STEPS as f32)
+        });
+        mean * (facets.albedo_average().white() / isotropic.albedo_average().white())
     }
 
     /// Multiple-scattering colours of metal and dielectric together, and of the layer.
-    pub fn multiple_scattering(&self, white_average: f32) -> (Vec3, f32) {
+    pub fn multiple_scattering(&self, white_average: f32) -> (Vec3, Vec3) {
         let color = |f: Vec3| f * f * white_average / (Vec3::ONE - f * (1.0 - white_average));
-        let layer: f32 = (0..HAT_NODES).map(|k| cosine_weight(k) * self.layer[k]).sum();
         let sum = self.metallic * color(self.metal_average) + self.opaque * color(self.dielectric_average);
-        (sum, color(Vec3::splat(layer)).x)
+        (sum, color(self.dielectric_average))
     }
 }
 

@@ -58,34 +58,97 @@ fn white_furnace_white_materials_keep_all_light() {
                     sides.push(-1.0);
                 }
                 for side in sides {
-                    let albedo = sampled_albedo(&params, direction(degrees, 0.3) * side, 1 << 15).total().0.x;
-                    assert!((albedo - 1.0).abs() < 5e-3, "{name}, roughness {r}, {degrees}°, side {side}: {albedo}");
+                    let albedo = sampled_albedo(&params, direction(degrees, 0.3) * side, 1 << 15).total().0;
+                    assert!((albedo - Vec3::ONE).abs().max_element() < 5e-3, "{name}, roughness {r}, {degrees}°, side {side}: {albedo}");
                 }
             }
         }
     }
 }
 
-/// The anisotropic albedo is an approximation (see `ggx_albedo_aniso`): energy is kept within 1.5 %.
+/// Every channel of a film keeps its light: 1 ± 0.5 % over all directions. Single ones are off by the coarse table of the film, up to 1 %.
 #[test]
-fn white_furnace_anisotropic_materials_keep_light_within_1_5_percent() {
-    let base = MaterialParams { anisotropy: 0.6, anisotropy_rotation: kajo_units::Radians(0.4), ..MaterialParams::default() };
-    for (name, params) in [
-        ("conductor", MaterialParams { metallic: 1.0, ..base }),
-        ("dielectric", base),
-        ("glass", MaterialParams { transmission: 1.0, thin: false, ..base }),
-        ("thin glass", MaterialParams { transmission: 1.0, ..base }),
-    ] {
-        for r in [0.1, 0.4, 0.8] {
-            let params = MaterialParams { roughness: PerceptualRoughness(r), ..params };
-            for (degrees, azimuth) in [(0.0, 0.0), (45.0, 0.4), (45.0, 1.2), (45.0, 1.97), (80.0, 0.4), (80.0, 1.2), (80.0, 1.97)] {
-                // The dielectric integrates its albedo for every direction, which is slow.
-                let n = if name == "dielectric" { 1 << 12 } else { 1 << 15 };
-                let albedo = sampled_albedo(&params, direction(degrees, azimuth), n).total().0.x;
-                assert!((albedo - 1.0).abs() < 0.015, "{name}, roughness {r}, {degrees}°, azimuth {azimuth}: {albedo}");
+fn white_furnace_films_keep_all_light_of_every_channel() {
+    for roughness in [0.0, 0.05, 0.1, 0.4, 0.8] {
+        let roughness = PerceptualRoughness(roughness);
+        let film = MaterialParams { iridescence: 1.0, iridescence_ior: 1.4, iridescence_thickness: 420.0, roughness, ..Default::default() };
+        for degrees in ANGLES {
+            let albedo = sampled_albedo(&film, direction(degrees, 0.3), 1 << 14).total().0;
+            assert!((albedo - Vec3::ONE).abs().max_element() < 1e-2, "{roughness:?}, {degrees}°: {albedo}");
+        }
+        let mean = sampled_mean_albedo(&film, 1.0, 1 << 15);
+        assert!((mean - Vec3::ONE).abs().max_element() < 5e-3, "{roughness:?}: {mean}");
+    }
+}
+
+/// Roughness and strength over glTF's square, its edges included.
+const ANISOTROPIES: [(f32, f32); 8] = [(0.0, 0.5), (0.0, 1.0), (0.1, 0.6), (0.25, 0.3), (0.4, 0.9), (0.5, 1.0), (0.8, 0.6), (0.9, 1.0)];
+
+fn anisotropic(material: &MaterialParams, (roughness, anisotropy): (f32, f32)) -> MaterialParams {
+    let anisotropy_rotation = kajo_units::Radians(0.4);
+    MaterialParams { roughness: PerceptualRoughness(roughness), anisotropy, anisotropy_rotation, ..*material }
+}
+
+/// What the worst direction of a white, anisotropic material loses or gains, and which one it is.
+fn worst_anisotropic_furnace(material: &MaterialParams, side: f32) -> (f32, String) {
+    let mut worst = (0.0f32, String::new());
+    for widths in ANISOTROPIES {
+        let params = anisotropic(material, widths);
+        for (degrees, azimuth) in [(0.0, 0.0), (40.0, 0.4), (40.0, 1.2), (65.0, 1.9), (80.0, 0.4), (80.0, 0.9), (80.0, 1.97), (86.0, 1.4)] {
+            let albedo = sampled_albedo(&params, direction(degrees, azimuth) * side, 1 << 15).total().0;
+            let error = (albedo - Vec3::ONE).abs().max_element();
+            if error > worst.0 {
+                worst = (error, format!("roughness and anisotropy {widths:?}, {degrees}°, azimuth {azimuth}: {albedo}"));
             }
         }
     }
+    worst
+}
+
+/// Metals and dielectrics, down to 4° above the horizon: 1 ± 0.5 % in every direction.
+#[test]
+fn white_furnace_anisotropic_materials_keep_all_light() {
+    let base = MaterialParams::default();
+    for (name, params) in [
+        ("conductor", MaterialParams { metallic: 1.0, ..base }),
+        ("dielectric", base),
+        ("diamond-like dielectric", MaterialParams { ior: 2.4, ..base }),
+        ("half metal", MaterialParams { metallic: 0.5, ..base }),
+        ("thin glass", MaterialParams { transmission: 1.0, ..base }),
+    ] {
+        let (worst, at) = worst_anisotropic_furnace(&params, 1.0);
+        assert!(worst < 5e-3, "{name}, {at}");
+    }
+}
+
+/// The boundary of a volume: over all directions 1 ± 0.5 % from outside and ± 0.6 % from inside. Single directions are worse by what their
+/// table can hold: 2 % from outside, and 12 % from inside for the most stretched facets, where total reflection meets the horizon.
+#[test]
+fn white_furnace_anisotropic_glass_keeps_all_light() {
+    for ior in [1.1, 1.33, 1.5, 2.4] {
+        let glass = MaterialParams { transmission: 1.0, thin: false, ior, ..MaterialParams::default() };
+        for (side, mean_limit, limit) in [(1.0, 5e-3, 0.02), (-1.0, 6e-3, 0.13)] {
+            let mut worst_mean = 0.0f32;
+            for widths in ANISOTROPIES {
+                let albedo = sampled_mean_albedo(&anisotropic(&glass, widths), side, 1 << 16);
+                worst_mean = worst_mean.max((albedo - Vec3::ONE).abs().max_element());
+            }
+            let (worst, at) = worst_anisotropic_furnace(&glass, side);
+            println!("index {ior}, side {side}: {worst_mean} over all directions; {worst}, {at}");
+            assert!(worst_mean < mean_limit && worst < limit, "index {ior}, side {side}: {worst_mean} over all directions; {at}");
+        }
+    }
+}
+
+/// Share of light that leaves into all directions of one side, cosine-weighted; without the 1/η² scale.
+fn sampled_mean_albedo(params: &MaterialParams, side: f32, n: u32) -> Vec3 {
+    let bsdf = Bsdf::new(params);
+    (0..n).fold(Vec3::ZERO, |sum, i| {
+        let mut s = Sampler::new(SamplerKind::Sobol, 1, UVec2::ZERO, i);
+        let wo = kajo_sampling::warp::cosine_hemisphere(s.next_2d()) * side;
+        let sample = bsdf.sample(wo, s.next_1d(), s.next_2d());
+        sum + sample.map_or(Vec3::ZERO, |sample| sample.weight.total().0 * (sample.eta2 / n as f32))
+    })
 }
 
 /// Materials as scenes use them: coloured, mixed, layered.
@@ -149,8 +212,8 @@ fn no_material_reflects_more_than_it_receives() {
     for (name, params) in library() {
         for degrees in ANGLES {
             let sampled = sampled_albedo(&params, direction(degrees, 0.7), 1 << 13).total();
-            // Anisotropic dielectrics hold their energy only as well as their albedo is known.
-            let slack = if params.anisotropy > 0.0 { 0.015 } else { 1e-3 };
+            // A film's energy is that of a table with few nodes.
+            let slack = if params.iridescence > 0.0 { 3e-3 } else { 1e-3 };
             // A dispersive sample carries three channels with different 1/η² scales and the η² of one: no exact sum.
             let slack = if params.dispersion > 0.0 { 0.12 } else { slack };
             assert!(sampled.max_component() <= 1.0 + slack + 2e-3, "{name}, {degrees}°: {sampled:?}");

@@ -3,8 +3,9 @@
 //! Conductors and the opaque dielectric get the reciprocal multiple-scattering lobe of Kulla and Conty,
 //! f_ms = F_ms (1 − E(o))(1 − E(i)) / (π (1 − Ē)); glass is divided by its albedo. E comes from the tables.
 
-use crate::fresnel_schlick_average;
+use super::stretched_length;
 use crate::tables::{self, place};
+use crate::{fresnel_schlick_average, schlick_weight};
 use glam::{Vec2, Vec3};
 
 /// Directional albedo of GGX with Schlick's Fresnel, as factors of f0 and f90.
@@ -56,82 +57,44 @@ pub fn ggx_albedo_average(alpha: f32) -> GgxAlbedo {
     GgxAlbedo { f0, f90 }
 }
 
-/// E of anisotropic GGX seen from `v`; [`ggx_albedo`] when both widths are equal.
+/// E of anisotropic GGX seen from `v`, from [`tables::ANISO_WHITE`] and [`tables::ANISO_MEAN_COS`]; α_x ≥ α_y ≥ [`MIN_ALPHA`].
 ///
-/// The white albedo is blended between its values over the two axes, each taken at the angle with the same Smith parameter
-/// α_φ tan θ, with the weights cos² and sin² of the azimuth in the stretched configuration. This is our own approximation:
-/// against the integral it is within 3e-3 for α_y ≤ α_x/4 or α ≤ 0.5, and within 1.5e-2 everywhere. The split into f0 and f90
-/// is that of the isotropic lobe of equal area; it is wrong near the horizon, where a dielectric should integrate instead.
+/// [`MIN_ALPHA`]: super::MIN_ALPHA
+#[inline]
 pub fn ggx_albedo_aniso(alpha: Vec2, v: Vec3) -> GgxAlbedo {
-    let same_area = ggx_albedo((alpha.x * alpha.y).sqrt(), v.z.abs());
-    if alpha.x == alpha.y {
-        return same_area;
-    }
-    let scale = aniso_white_albedo(&tables::GGX_ANISO_ALBEDO, alpha, v) / same_area.white().max(1e-3);
-    GgxAlbedo { f0: same_area.f0 * scale, f90: same_area.f90 * scale }
+    aniso_albedo_of(|i| tables::ANISO_WHITE.get(i), |i| tables::ANISO_MEAN_COS.get(i), alpha, v)
+}
+
+/// [`ggx_albedo_aniso`] from any tables of that layout.
+///
+/// ```text
+/// f0 + f90 = E of white facets,    f90 = E (1 − c)⁵,    c = ρ |(α_x v_x, α_y v_y, v_z)|
+/// ```
+pub(crate) fn aniso_albedo_of(white: impl Fn(usize) -> f32, mean_cos: impl Fn(usize) -> f32, alpha: Vec2, v: Vec3) -> GgxAlbedo {
+    let [strength, roughness] = tables::aniso_widths(alpha);
+    let [polar, azimuth] = tables::aniso_stretched(alpha, v);
+    let white = tables::ANISO_WHITE_GRID.interpolate(white, [polar, azimuth, strength, roughness]);
+    let [polar, azimuth] = tables::aniso_half_stretched(alpha, v);
+    let rho = tables::ANISO_COS_SCALE * tables::ANISO_COS_GRID.interpolate(mean_cos, [polar, azimuth, strength, roughness]);
+    let f90 = white * schlick_weight(rho * stretched_length(alpha, v));
+    GgxAlbedo { f0: white - f90, f90 }
 }
 
 /// Cosine-weighted mean of [`ggx_albedo_aniso`] over the hemisphere, Ē.
 pub fn ggx_albedo_aniso_average(alpha: Vec2) -> GgxAlbedo {
-    const R: usize = tables::ANISO_ROUGHNESS_NODES;
-    let same_area = ggx_albedo_average((alpha.x * alpha.y).sqrt());
-    if alpha.x == alpha.y {
-        return same_area;
-    }
-    let (x, tx) = place(alpha.x.max(0.0).sqrt(), R);
-    let (y, ty) = place(alpha.y.max(0.0).sqrt(), R);
-    let row = |y: usize| {
-        let k = y * R + x;
-        tables::GGX_ANISO_ALBEDO_AVERAGE[k] + tx * (tables::GGX_ANISO_ALBEDO_AVERAGE[k + 1] - tables::GGX_ANISO_ALBEDO_AVERAGE[k])
-    };
-    let scale = (row(y) + ty * (row(y + 1) - row(y))) / same_area.white().max(1e-3);
-    GgxAlbedo { f0: same_area.f0 * scale, f90: same_area.f90 * scale }
+    let widths = tables::aniso_widths(alpha);
+    let [f0, f90] = [0, 1].map(|k| tables::ANISO_AVERAGE_GRID.interpolate(|i| tables::ANISO_AVERAGE.get(2 * i + k), widths));
+    GgxAlbedo { f0, f90 }
 }
 
-/// The blend of [`ggx_albedo_aniso`] from a table laid out like [`tables::GGX_ANISO_ALBEDO`].
-pub(crate) fn aniso_white_albedo(table: &[f32], alpha: Vec2, v: Vec3) -> f32 {
-    const C: usize = tables::ANISO_COS_NODES;
-    const R: usize = tables::ANISO_ROUGHNESS_NODES;
-    let along_axis = |cos_theta: f32, along: f32, across: f32| {
-        let (c, tc) = place(cos_theta.sqrt(), C);
-        let (a, ta) = place(along.max(0.0).sqrt(), R);
-        let (b, tb) = place(across.max(0.0).sqrt(), R);
-        let cell = |a: usize, b: usize| {
-            let k = (b * R + a) * C + c;
-            table[k] + tc * (table[k + 1] - table[k])
-        };
-        let low = cell(a, b) + ta * (cell(a + 1, b) - cell(a, b));
-        let high = cell(a, b + 1) + ta * (cell(a + 1, b + 1) - cell(a, b + 1));
-        low + tb * (high - low)
-    };
-    let stretched = Vec2::new(alpha.x * v.x, alpha.y * v.y);
-    let length2 = stretched.length_squared();
-    if length2 < 1e-14 {
-        return along_axis(1.0, alpha.x, alpha.y);
-    }
-    // cos θ at which an axis of width α has the same α tan θ.
-    let smith2 = length2 / (v.z * v.z).max(1e-12);
-    let equal_cos = |a: f32| (1.0 / (1.0 + smith2 / (a * a))).sqrt();
-    let over_x = stretched.x * stretched.x / length2;
-    let x = along_axis(equal_cos(alpha.x), alpha.x, alpha.y);
-    let y = along_axis(equal_cos(alpha.y), alpha.y, alpha.x);
-    y + over_x * (x - y)
-}
-
-/// The isotropic width with this white albedo at this angle: what stands in for an anisotropic pair where only an isotropic
-/// table exists.
-pub(crate) fn alpha_of_albedo(white: f32, cos_theta: f32) -> f32 {
-    let (mut low, mut high) = (0.0f32, 1.0f32);
-    // The albedo falls with the roughness at every angle; 12 halvings of √α are finer than the table.
-    for _ in 0..12 {
-        let middle = 0.5 * (low + high);
-        if ggx_albedo(middle * middle, cos_theta).white() > white {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high * high
+/// [`glass_albedo`] of anisotropic facets seen from `v`, from [`tables::ANISO_GLASS`]; α_x ≥ α_y ≥ [`MIN_ALPHA`].
+///
+/// [`MIN_ALPHA`]: super::MIN_ALPHA
+pub fn glass_albedo_aniso(alpha: Vec2, v: Vec3, eta: f32) -> f32 {
+    let [strength, roughness] = tables::aniso_widths(alpha);
+    let [polar, azimuth] = tables::aniso_half_stretched(alpha, v);
+    let position = [polar, azimuth, strength, roughness, tables::aniso_index(eta)];
+    tables::ANISO_GLASS_GRID.interpolate(|i| tables::ANISO_GLASS.get(i), position)
 }
 
 /// Colour of the light that meets several facets: F_ms = F̄² Ē / (1 − F̄ (1 − Ē)).    [Kulla17] slide 17, [Turquin19] eq. 9
@@ -181,21 +144,62 @@ mod tests {
         assert!(worst < 3e-3, "{worst}");
     }
 
+    /// Widths over glTF's square, any azimuth, down to 2° above the horizon.
+    fn anisotropic_points(seed: u64, n: usize) -> impl Iterator<Item = (Vec2, Vec3)> {
+        let mut rng = Rng::new(seed);
+        (0..n).map(move |_| {
+            let (c, phi) = (0.035 + 0.965 * rng.next_1d(), std::f32::consts::FRAC_PI_2 * rng.next_1d());
+            let (roughness, strength) = (rng.next_1d(), rng.next_1d());
+            let narrow = roughness * roughness;
+            let alpha = Vec2::new(narrow + (1.0 - narrow) * strength * strength, narrow);
+            (alpha.max(Vec2::splat(crate::MIN_ALPHA)), quadrature::direction(c, phi))
+        })
+    }
+
+    /// Largest and mean size of the errors, and their mean.
+    fn worst_mean_bias(errors: &[f32]) -> [f32; 3] {
+        let mean = |f: fn(f32) -> f32| errors.iter().map(|&e| f(e)).sum::<f32>() / errors.len() as f32;
+        [errors.iter().fold(0.0, |worst, e| worst.max(e.abs())), mean(f32::abs), mean(|e| e)]
+    }
+
+    /// Measured: white 2.6e-3 at most, 3.7e-4 in the mean; f90 4.7e-3, for the narrowest ridges near the horizon, and 1.5e-4.
     #[test]
     fn anisotropic_albedo_is_near_its_integral() {
-        let mut rng = Rng::new(7);
-        let (mut worst, mut sum, n) = (0.0f32, 0.0, 600);
-        for _ in 0..n {
-            let (c, phi) = (0.05 + 0.95 * rng.next_1d(), std::f32::consts::FRAC_PI_2 * rng.next_1d());
-            let alpha = Vec2::new((0.1 + 0.9 * rng.next_1d()).powi(2), (0.1 + 0.9 * rng.next_1d()).powi(2));
-            let v = quadrature::direction(c, phi);
-            let [f0, f90] = quadrature::ggx_albedo(v, alpha, 4096);
+        let (mut white, mut f90) = (Vec::new(), Vec::new());
+        for (alpha, v) in anisotropic_points(7, 1500) {
+            let [a, b] = quadrature::ggx_albedo(v, alpha, 4096);
             let e = ggx_albedo_aniso(alpha, v);
-            let error = (e.white() - f0 - f90).abs();
-            worst = worst.max(error);
-            sum += error / n as f32;
+            white.push(e.white() - a - b);
+            f90.push(e.f90 - b);
         }
-        assert!(worst < 0.015 && sum < 2e-3, "worst {worst}, mean {sum}");
+        let (white, f90) = (worst_mean_bias(&white), worst_mean_bias(&f90));
+        assert!(white[0] < 3.5e-3 && white[1] < 6e-4 && white[2].abs() < 2e-4, "white: {white:?}");
+        assert!(f90[0] < 6e-3 && f90[1] < 3e-4 && f90[2].abs() < 2e-4, "f90: {f90:?}");
+    }
+
+    #[test]
+    fn planted_fault_the_albedo_of_equal_area_is_not_near_the_integral() {
+        let errors: Vec<f32> = anisotropic_points(7, 300)
+            .map(|(alpha, v)| {
+                let [a, b] = quadrature::ggx_albedo(v, alpha, 1024);
+                ggx_albedo((alpha.x * alpha.y).sqrt(), v.z).white() - a - b
+            })
+            .collect();
+        assert!(worst_mean_bias(&errors)[0] > 0.1 && worst_mean_bias(&errors)[1] > 1e-2, "{:?}", worst_mean_bias(&errors));
+    }
+
+    /// Five dimensions in 230,000 numbers: single directions inside strongly anisotropic glass, where total reflection meets the horizon,
+    /// are off by up to 0.12; the mean is kept.
+    #[test]
+    fn anisotropic_glass_table_is_near_its_integral() {
+        for ior in [1.1, 1.33, 1.5, 2.4f32] {
+            for (eta, worst, mean) in [(ior, 0.02, 2e-3), (1.0 / ior, 0.13, 5e-3)] {
+                let error = |(alpha, v)| glass_albedo_aniso(alpha, v, eta) - quadrature::glass_albedo(v, alpha, eta, 4096);
+                let errors: Vec<f32> = anisotropic_points(8, 800).map(error).collect();
+                let e = worst_mean_bias(&errors);
+                assert!(e[0] < worst && e[1] < mean && e[2].abs() < 1e-3, "eta {eta}: {e:?}");
+            }
+        }
     }
 
     #[test]

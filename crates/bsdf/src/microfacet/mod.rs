@@ -3,10 +3,11 @@
 mod energy;
 mod ggx;
 
+pub(crate) use energy::aniso_albedo_of;
 pub use energy::{
     GgxAlbedo, ggx_albedo, ggx_albedo_aniso, ggx_albedo_aniso_average, ggx_albedo_average, ggx_multiple_scattering_color, glass_albedo,
+    glass_albedo_aniso,
 };
-pub(crate) use energy::{alpha_of_albedo, aniso_white_albedo};
 pub(crate) use ggx::stretched_length;
 pub use ggx::{
     MIN_ALPHA, ggx_cap_bound, ggx_d, ggx_d_aniso, ggx_g1, ggx_g1_aniso, ggx_g2, ggx_g2_aniso, ggx_lambda_aniso, ggx_reflection_pdf,

@@ -3,7 +3,16 @@
 //! Files hold little-endian 16-bit fractions of one, fastest axis first. The arrays can be uploaded to a GPU as they are; the
 //! axes are given with each, nodes lie at the ends of the interval, interpolation is linear in the table coordinates.
 
+mod aniso;
+mod grid;
 pub mod quadrature;
+
+pub use aniso::{
+    ANISO_AVERAGE, ANISO_AVERAGE_GRID, ANISO_COS_GRID, ANISO_COS_SCALE, ANISO_GLASS, ANISO_GLASS_GRID, ANISO_MEAN_COS, ANISO_WHITE,
+    ANISO_WHITE_GRID, aniso_alpha, aniso_eta, aniso_from_half_stretched, aniso_from_stretched, aniso_half_stretched, aniso_index,
+    aniso_stretched, aniso_widths,
+};
+pub use grid::{Fractions, Grid};
 
 /// Nodes over √cos θ in [0, 1].
 pub const COS_NODES: usize = 64;
@@ -27,11 +36,6 @@ pub const HAT_NODES: usize = 16;
 /// Nodes over √cos θ and over √α of [`GGX_HAT_ALBEDO`].
 pub const HAT_AXIS_NODES: usize = 16;
 
-/// Nodes over √cos θ in [0, 1] of the anisotropic table.
-pub const ANISO_COS_NODES: usize = 24;
-/// Nodes over the perceptual roughness √α, along and across, of the anisotropic table.
-pub const ANISO_ROUGHNESS_NODES: usize = 16;
-
 /// Directional albedo of GGX with Schlick's Fresnel, f0 · `[0]` + f90 · `[1]`, [`ROUGHNESS_NODES`] × [`COS_NODES`].
 pub static GGX_ALBEDO: [[f32; 2]; COS_NODES * ROUGHNESS_NODES] = decode_pairs(include_bytes!("ggx_albedo.bin"));
 /// Cosine-weighted mean of [`GGX_ALBEDO`] over the hemisphere, [`ROUGHNESS_NODES`].
@@ -45,14 +49,6 @@ pub const SHEEN_TABLE_SCALE: f32 = 4.0;
 pub static SHEEN_ALBEDO: [f32; SHEEN_COS_NODES * SHEEN_ROUGHNESS_NODES] = decode(include_bytes!("sheen_albedo.bin"));
 /// Directional albedo of GGX whose Fresnel is the hat function of node k, √α × √cos θ × k, [`HAT_AXIS_NODES`]² × [`HAT_NODES`].
 pub static GGX_HAT_ALBEDO: [f32; HAT_NODES * HAT_AXIS_NODES * HAT_AXIS_NODES] = decode(include_bytes!("ggx_hat_albedo.bin"));
-
-/// White albedo of anisotropic GGX for directions over the axis of the first roughness, √α across × √α along × √cos θ,
-/// [`ANISO_ROUGHNESS_NODES`]² × [`ANISO_COS_NODES`].
-pub static GGX_ANISO_ALBEDO: [f32; ANISO_COS_NODES * ANISO_ROUGHNESS_NODES * ANISO_ROUGHNESS_NODES] =
-    decode(include_bytes!("ggx_aniso_albedo.bin"));
-/// Cosine-weighted mean over the hemisphere of the anisotropic white albedo, √α_y × √α_x, [`ANISO_ROUGHNESS_NODES`]².
-pub static GGX_ANISO_ALBEDO_AVERAGE: [f32; ANISO_ROUGHNESS_NODES * ANISO_ROUGHNESS_NODES] =
-    decode(include_bytes!("ggx_aniso_albedo_average.bin"));
 
 const fn fraction(bytes: &[u8], i: usize) -> f32 {
     u16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]]) as f32 / 65535.0

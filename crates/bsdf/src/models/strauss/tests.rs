@@ -76,6 +76,7 @@ fn highlights_are_never_negative_and_extremes_are_finite() {
     let printed = model("strauss", &[("c", "0"), ("e", "1"), ("s", "0.9")], Form::Printed);
     let (wi, wo) = directions(SETS[4].1);
     assert!(printed.value(wi, wo).x < 0.0);
+    assert!(fault(&*printed, 20_000).is_some(), "and the check above notices it");
 }
 
 /// Row BR-40: the diffuse part is flat, the highlight of set A 2.7 times too strong (in strength; its colour differs too).

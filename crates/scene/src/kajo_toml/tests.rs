@@ -52,7 +52,7 @@ fn the_examples_of_the_document_load_with_the_test_scenes() {
     let snapshot = Snapshot::new(&scene, Seconds(0.5));
     assert_eq!(snapshot.cameras[0].camera.name, "front");
 
-    let scene = compose("example.kajo.toml", examples()[1], Some(&assets), 0).unwrap();
+    let scene = compose("example.kajo.toml", examples()[2], Some(&assets), 0).unwrap();
     let lambert = scene.materials.iter().find(|m| m.name == "lambert").unwrap();
     let texture = scene.textures[lambert.base_color_texture.unwrap().texture];
     assert_eq!((texture.wrap, texture.color_space), ([Wrap::Mirror; 2], ColorSpace::Srgb));
@@ -287,7 +287,7 @@ fn a_material_may_be_any_model_of_the_library() {
     for (text, says) in [
         ("model = \"fong\"", "did you mean \"phong\"?"),
         ("model = \"phong\"\nparams = { n = -1 }", "parameter `n` is -1; it must be from 0 to"),
-        ("model = \"phong\"\nparams = { m = 1 }", "no parameter `m`"),
+        ("model = \"phong\"\nparams = { m = 1 }", "no parameter is called \"m\""),
         ("model = \"phong\"\nparams = { n = 2024-01-01 }", "give a number"),
         ("params = { n = 1 }", "belong to a `model`"),
     ] {

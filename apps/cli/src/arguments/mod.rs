@@ -335,7 +335,7 @@ impl FromStr for Size {
     type Err = String;
     fn from_str(word: &str) -> Result<Self, String> {
         let sides = word.split_once(['x', 'X', '×']).and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
-        let (width, height): (u32, u32) = sides.ok_or("expected WIDTHxHEIGHT in pixels, e.g. 1280x720")?;
+        let (width, height): (u32, u32) = sides.ok_or("expected WIDTHxHEIGHT in px, e.g. 1280x720")?;
         if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
             return Err(format!("each side must be 1 to {MAX_SIDE} px"));
         }

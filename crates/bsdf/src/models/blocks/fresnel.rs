@@ -89,7 +89,8 @@ pub fn index_of(f: f64) -> f64 {
 /// Cook and Torrance's colours (3.13): `f` interpolated to 1 as `mean` = F̄(β) goes from `mean_at_normal` to 1.
 #[inline(always)]
 pub fn interpolated<T: Real>(f: T, mean: T, mean_at_normal: T, inverse_rest: T) -> T {
-    f + (T::one() - f) * (mean - mean_at_normal).max(T::zero()) * inverse_rest
+    // Where f̄ is nearly 1, rounding could lead beyond it.
+    f + (T::one() - f) * ((mean - mean_at_normal).max(T::zero()) * inverse_rest).min(T::one())
 }
 
 /// F with its constants, per channel.

@@ -2,13 +2,13 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
-/// Lambert: f = ρ/π, 1/sr.    [Lambert1760]
+/// Lambert: f = ρ/π, 1/sr.    \[Lambert1760]
 #[inline]
 pub fn lambert(albedo: f32) -> f32 {
     albedo * FRAC_1_PI
 }
 
-/// Phong's highlight cosⁿα, without any normalisation; `cos_alpha` is the cosine to the mirror direction.    [Phong75]
+/// Phong's highlight cosⁿα, without any normalisation; `cos_alpha` is the cosine to the mirror direction.    \[Phong75]
 ///
 /// # Surprises
 /// As a BRDF it reflects up to 2π/(n + 2) times its factor: more than arrives for n ≤ 4.
@@ -17,13 +17,13 @@ pub fn phong_lobe(cos_alpha: f32, n: f32) -> f32 {
     cos_alpha.max(0.0).powf(n)
 }
 
-/// Phong as a BRDF: f = ks (n + 2)/(2π) cosⁿα, 1/sr; albedo ks at normal incidence and less elsewhere.    [Lafortune94]
+/// Phong as a BRDF: f = ks (n + 2)/(2π) cosⁿα, 1/sr; albedo ks at normal incidence and less elsewhere.    \[Lafortune94]
 #[inline]
 pub fn phong(ks: f32, n: f32, cos_alpha: f32) -> f32 {
     ks * (n + 2.0) / (2.0 * PI) * phong_lobe(cos_alpha, n)
 }
 
-/// Blinn-Phong as a BRDF: f = ks (n + 2)(n + 4)/(8π (n + 2^(−n/2))) cosⁿδ, 1/sr; albedo ks at normal incidence.    [Blinn77]
+/// Blinn-Phong as a BRDF: f = ks (n + 2)(n + 4)/(8π (n + 2^(−n/2))) cosⁿδ, 1/sr; albedo ks at normal incidence.    \[Blinn77]
 ///
 /// `n_dot_h` is cos δ. The normalisation is the integral of cosⁿδ cos θ at normal incidence; the (n + 2)/2π of Phong does not
 /// fit the half vector and reflects up to four times too much.

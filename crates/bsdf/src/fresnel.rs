@@ -10,7 +10,7 @@ pub fn schlick_weight(cos_theta: f32) -> f32 {
     m2 * m2 * m
 }
 
-/// Schlick's approximation, F = f0 + (f90 − f0)(1 − cos θ)⁵.    [Schlick94] eq. 15
+/// Schlick's approximation, F = f0 + (f90 − f0)(1 − cos θ)⁵.    \[Schlick94] eq. 15
 #[inline]
 pub fn fresnel_schlick(f0: Vec3, f90: Vec3, cos_theta: f32) -> Vec3 {
     f0 + (f90 - f0) * schlick_weight(cos_theta)
@@ -36,7 +36,7 @@ pub fn ior_from_f0(f0: f32) -> f32 {
     (1.0 + r) / (1.0 - r)
 }
 
-/// Unpolarised reflectance of a dielectric interface.    Fresnel's equations, e.g. [Walter07] eq. 22
+/// Unpolarised reflectance of a dielectric interface.    Fresnel's equations, e.g. \[Walter07] eq. 22
 ///
 /// ```text
 /// F = ½ (g − c)²/(g + c)² (1 + (c (g + c) − 1)²/(c (g − c) + 1)²),    g² = η² − 1 + c²
@@ -57,7 +57,7 @@ pub fn fresnel_dielectric(cos_theta: f32, eta: f32) -> f32 {
     (0.5 * a * a * (1.0 + b * b)).min(1.0)
 }
 
-/// Unpolarised reflectance of a conductor with complex index η + iκ, per channel.    Fresnel's equations, e.g. [Cook82]
+/// Unpolarised reflectance of a conductor with complex index η + iκ, per channel.    Fresnel's equations, e.g. \[Cook82]
 ///
 /// ```text
 /// a² + b² = √((η² − κ² − sin²)² + 4η²κ²),  F = ½ (Rs + Rp),

@@ -6,7 +6,7 @@ use std::f32::consts::PI;
 /// α below which a fibre lobe is too narrow to be integrated; perceptual roughness 0.1.
 pub const SHEEN_MIN_ALPHA: f32 = 0.01;
 
-/// Charlie distribution D(m) = (2 + 1/α) sin^(1/α) θm / 2π.    [Estevez17] eq. 2
+/// Charlie distribution D(m) = (2 + 1/α) sin^(1/α) θm / 2π.    \[Estevez17] eq. 2
 ///
 /// Unit: 1/sr, ∫ D cos θ = 1.
 #[inline]
@@ -16,7 +16,7 @@ pub fn sheen_d(alpha: f32, n_dot_m: f32) -> f32 {
     (2.0 + inv) * sin2.powf(0.5 * inv) / (2.0 * PI)
 }
 
-/// Λ(θ) of the Charlie distribution, a fit: exp L(cos) below 60°, mirrored above.    [Estevez17] eqs. 3, 4 and table 1
+/// Λ(θ) of the Charlie distribution, a fit: exp L(cos) below 60°, mirrored above.    \[Estevez17] eqs. 3, 4 and table 1
 #[inline]
 pub fn sheen_lambda(alpha: f32, cos_theta: f32) -> f32 {
     let t = (1.0 - alpha) * (1.0 - alpha);

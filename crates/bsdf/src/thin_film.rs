@@ -10,7 +10,7 @@ const BT709_FROM_XYZ: Mat3 =
 
 /// Fourier transform of the colour-matching functions at an optical path difference (nm) with a phase shift, linear BT.709.
 ///
-/// Gaussian fits of x̄ (two lobes), ȳ, z̄.    [Belcour17] eq. 10 and supplemental
+/// Gaussian fits of x̄ (two lobes), ȳ, z̄.    \[Belcour17] eq. 10 and supplemental
 #[inline]
 pub fn film_sensitivity(path_difference: f32, shift: Vec3) -> Vec3 {
     let phase = TAU * path_difference * 1e-9;
@@ -34,7 +34,7 @@ pub fn film_sensitivity(path_difference: f32, shift: Vec3) -> Vec3 {
 /// Reflectance of a base of normal reflectance `base_f0` under a film of index `film_ior` and `thickness` nm.
 ///
 /// Airy summation of the film's reflections, with Schlick's reflectances at both interfaces and two harmonics of the spectral
-/// response.    [Belcour17] eqs. 3, 7; KHR_materials_iridescence, "Iridescence Fresnel". Clamped to [0, 1]: the RGB form can
+/// response.    \[Belcour17] eqs. 3, 7; KHR_materials_iridescence, "Iridescence Fresnel". Clamped to [0, 1]: the RGB form can
 /// leave it for saturated colours.
 pub fn fresnel_thin_film(cos_theta: f32, film_ior: f32, thickness: f32, base_f0: Vec3) -> Vec3 {
     // A film thinner than 0.03 nm fades to none: its index tends to that of air.

@@ -1,7 +1,7 @@
 //! Where to start a ray that leaves a surface.
 //!
 //! A hit point is rounded, so it lies a little before or behind its triangle, and a ray started there may meet that triangle again. The
-//! cure is to start further out along the normal by a bound on the error, as [PBR4] section 6.8.6 and [Waechter19] do; on a flat triangle
+//! cure is to start further out along the normal by a bound on the error, as \[PBR4] section 6.8.6 and \[Waechter19] do; on a flat triangle
 //! the ray may also simply be told to ignore it ([`Filter::leaving`](crate::Filter::leaving)).
 
 use glam::{Affine3A, DVec3, Vec3};

@@ -3,7 +3,7 @@
 //! A box must be entered whenever a triangle in it is hit, by the numbers as computed. The hit is exact on *sheared* vertices
 //! ([`triangle`](crate::triangle)); shearing moved each by at most 6 ε D, where ε = 2⁻²⁴ and D bounds the distance from the ray's origin to
 //! any vertex, axis by axis. The slab distances themselves, `t = b · r − o · r` with `r = 1/d` rounded, are those of a plane moved by at
-//! most 4 ε (D + |o|). So the planes are moved apart by e = 16 ε (D + |o|), once a ray: the idea of [Woop13] section 4 and of [Ize13], but in
+//! most 4 ε (D + |o|). So the planes are moved apart by e = 16 ε (D + |o|), once a ray: the idea of \[Woop13] section 4 and of \[Ize13], but in
 //! the ray's constants, so that a box costs six multiply-adds and no correction. `|o|` is the greatest coordinate of the origin.
 
 use crate::{aabb::Aabb, ray::Ray, wide::WIDTH};

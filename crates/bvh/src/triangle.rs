@@ -1,15 +1,15 @@
 //! Ray against triangle, watertight and exact.
 //!
-//! As in [Woop13], vertices are translated and sheared so that the ray runs along +z from the origin; the triangle is hit when the
+//! As in \[Woop13], vertices are translated and sheared so that the ray runs along +z from the origin; the triangle is hit when the
 //! origin lies inside its projection, which the signs of three edge functions tell. Adjacent triangles shear a shared vertex to the
 //! same numbers, so the projections tile without gaps.
 //!
-//! Deviations from [Woop13], both for one reason, that the answer should be exact on the sheared vertices:
+//! Deviations from \[Woop13], both for one reason, that the answer should be exact on the sheared vertices:
 //! - Edge functions and `t` are computed in double precision, where products of singles are exact and so are signs. A single-precision `t`
 //!   could be wrong by the length of a triangle seen edge-on, and then its box would not contain it. (Single precision may only *reject*:
 //!   rounding is monotone, so a computed sign is the true one or zero.)
 //! - An edge function that is exactly zero (the ray meets an edge or a vertex) takes the sign it would have if the ray were moved by an
-//!   infinitesimal step along x and a yet smaller one along y ([Edelsbrunner90]). So a ray crosses exactly one of two triangles that
+//!   infinitesimal step along x and a yet smaller one along y (\[Edelsbrunner90]). So a ray crosses exactly one of two triangles that
 //!   share the edge, and a closed mesh an even number of times.
 
 use crate::ray::Ray;
@@ -119,7 +119,7 @@ impl ShearedRay {
     /// U = C × B,  V = A × C,  W = B × A  (z components),   t = (U A_z + V B_z + W C_z) / ((U + V + W) d_z)
     /// ```
     ///
-    /// [Woop13] eq. 3–6, in double precision. `None` when it is missed or seen exactly edge-on.
+    /// \[Woop13] eq. 3–6, in double precision. `None` when it is missed or seen exactly edge-on.
     #[inline(always)]
     pub fn cross(&self, [a, b, c]: [[f32; 3]; 3]) -> Option<Crossing> {
         let (a, b, c) = (self.shear(a), self.shear(b), self.shear(c));

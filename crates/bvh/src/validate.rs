@@ -71,7 +71,7 @@ impl Blas {
     /// cost = Σ_nodes A(node)/A(root) · node_cost + Σ_leaves A(leaf)/A(root) · blocks(leaf)
     /// ```
     ///
-    /// [MacDonald90] eq. 1, for nodes of eight children and blocks of four triangles. Unit: tests of a block. 0 when there is nothing.
+    /// \[MacDonald90] eq. 1, for nodes of eight children and blocks of four triangles. Unit: tests of a block. 0 when there is nothing.
     pub fn sah_cost(&self, node_cost: f32) -> f32 {
         let tree = self.tree();
         let whole = tree.bounds.half_area();

@@ -133,7 +133,7 @@ fn agx_sigmoid(linear: f32) -> f32 {
     0.5 + 2.0 * d * (1.0 + a * d.abs().powf(p)).powf(-1.0 / p)
 }
 
-/// The Khronos PBR neutral tone map: colours stay what they are up to 0.8, highlights fade to white.    [KhronosNeutral]
+/// The Khronos PBR neutral tone map: colours stay what they are up to 0.8, highlights fade to white.    \[KhronosNeutral]
 ///
 /// ```text
 /// f = m − m²/(4 F₉₀) where the smallest channel m ≤ 2 F₉₀, else F₉₀ = 0.04

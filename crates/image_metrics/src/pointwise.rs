@@ -5,7 +5,7 @@ use crate::error::check;
 use kajo_image::Image;
 use kajo_units::LinearRgb;
 
-/// ε of [`rel_mse`]: keeps black pixels of the reference from ruling the mean.    [Rousselle11] section 5
+/// ε of [`rel_mse`]: keeps black pixels of the reference from ruling the mean.    \[Rousselle11] section 5
 pub const REL_MSE_EPSILON: f64 = 0.01;
 
 /// MSE = mean over pixels and channels of (I − R)².
@@ -25,7 +25,7 @@ pub fn rmse(image: &Image<LinearRgb>, reference: &Image<LinearRgb>) -> Result<f6
     mse(image, reference).map(f64::sqrt)
 }
 
-/// relMSE = mean over pixels and channels of (I − R)² / (R² + ε), ε = [`REL_MSE_EPSILON`].    [Rousselle11] section 5
+/// relMSE = mean over pixels and channels of (I − R)² / (R² + ε), ε = [`REL_MSE_EPSILON`].    \[Rousselle11] section 5
 ///
 /// # Errors
 /// Those of [`mse`].

@@ -121,7 +121,7 @@ fn mean_distance(from: &Contour, to: &Contour) -> f64 {
     0.5 * sum / n as f64
 }
 
-/// Exact squared Euclidean distance to the contour: a lower envelope of parabolas along columns, then along rows.    [Felzenszwalb12]
+/// Exact squared Euclidean distance to the contour: a lower envelope of parabolas along columns, then along rows.    \[Felzenszwalb12]
 fn squared_distances(contour: &Contour) -> Vec<f64> {
     let (width, height) = (contour.width, contour.on.len() / contour.width);
     let far = ((width + height) as f64).powi(2);

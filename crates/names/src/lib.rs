@@ -8,7 +8,7 @@ const LISTED: usize = 24;
 
 /// The closest of `known` to `word`, if it is close enough to be worth offering. Case does not count.
 ///
-/// Closeness is the Jaro–Winkler similarity, which favours words that begin alike.    [Winkler90]
+/// Closeness is the Jaro–Winkler similarity, which favours words that begin alike.    \[Winkler90]
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();
     let scored = known.into_iter().map(|name| (strsim::jaro_winkler(&word, &name.to_lowercase()), name));

@@ -4,7 +4,7 @@
 //! that it is better than that. Blocks of 2^k consecutive samples are each a well-spread set of their own, and the scatter of the
 //! means of B such blocks, divided by B, bounds the variance of the mean of all: exactly for independent samples, from above for
 //! scrambled nets, whose blocks fill each other's gaps (negative correlation). Between 4 and 8 blocks are kept, so that their
-//! size grows with n and with it the gain of the point set.    [Owen97] for the variance of scrambled nets
+//! size grows with n and with it the gain of the point set.    \[Owen97] for the variance of scrambled nets
 
 /// Blocks kept; the size of a block doubles when all are full.
 pub(crate) const BLOCKS: usize = 8;
@@ -19,7 +19,7 @@ fn block_size(n: u32) -> u32 {
     n.div_ceil(BLOCKS as u32).next_power_of_two()
 }
 
-/// Two-sided 95 % quantile of Student's t with `blocks − 1` degrees of freedom.    [Student08]
+/// Two-sided 95 % quantile of Student's t with `blocks − 1` degrees of freedom.    \[Student08]
 const STUDENT_T_95: [f32; BLOCKS + 1] = [f32::INFINITY, f32::INFINITY, 12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365];
 
 impl BlockSums {

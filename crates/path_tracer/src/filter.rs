@@ -1,7 +1,7 @@
 //! Pixel filters by importance sampling: a sample is moved by an offset drawn from the filter and weighs 1.
 //!
 //! A pixel then gathers only its own samples, so that pixels are independent, can be replayed alone and have a variance of their
-//! own.    [Ernst06]
+//! own.    \[Ernst06]
 //! Filters with negative lobes (Mitchell, Lanczos) have no density to draw from and are left out for that reason.
 
 use crate::PathTracerError;
@@ -18,7 +18,7 @@ pub enum Filter {
     Tent,
     /// Gaussian, standard deviation 0.5 px, cut at 1.5 px.
     Gaussian,
-    /// Blackman-Harris window of radius 1.5 px.    [Harris78] table 1, 4 terms, 92 dB
+    /// Blackman-Harris window of radius 1.5 px.    \[Harris78] table 1, 4 terms, 92 dB
     #[default]
     BlackmanHarris,
     /// A Dirac at the pixel centre: what a rasteriser without anti-aliasing sees. For judging real-time techniques.

@@ -8,7 +8,7 @@
 //!
 //! # Terminator
 //! On coarse meshes with smooth normals the facets shadow themselves near the terminator. There, rays start on a smoother surface: the
-//! point is lifted to the mean of its projections on the vertices' tangent planes [Hanika21]. The smooth surface may pass through other
+//! point is lifted to the mean of its projections on the vertices' tangent planes \[Hanika21]. The smooth surface may pass through other
 //! objects that the mesh only touches; a point whose way up is blocked stays on the mesh. Flat-shaded triangles are not moved.
 
 use crate::world::{Placed, World};
@@ -65,7 +65,7 @@ fn seen_before(point: &SurfacePoint, normal: Vec3, wo: Vec3, t: f32) -> Vec3 {
 
 impl Placed {
     /// The position raised to the mean of its projections on those tangent planes of the vertices that lie above it, where `side` (±1) says
-    /// on which side of the front faces above is.    [Hanika21]
+    /// on which side of the front faces above is.    \[Hanika21]
     fn lifted(&self, hit: &Hit, position: Vec3, side: f32) -> Vec3 {
         let corners = self.world_triangle(hit.primitive);
         let indices = self.mesh.indices[hit.primitive as usize];

@@ -31,7 +31,7 @@ pub struct Settings {
     pub aovs: Vec<Aov>,
     /// Longest ray of ambient occlusion, m (integrator `ao` and image `ambient-visibility`); infinite asks for the open sky.
     pub ambient_distance: f32,
-    /// Move the start of rays off coarse smooth-shaded meshes, so that the facets cast no shadow on themselves.    [Hanika21]
+    /// Move the start of rays off coarse smooth-shaded meshes, so that the facets cast no shadow on themselves.    \[Hanika21]
     pub smooth_terminator: bool,
 }
 
@@ -112,7 +112,7 @@ pub enum Integrator {
     /// Full transport by BSDF sampling alone, written independently of `Path`: the check of the judge. It cannot see point, spot
     /// and parallel lights.
     BsdfOnly,
-    /// Ambient visibility (1/π) ∫ V cos θ dω by cosine-distributed rays.    [Zhukov98]
+    /// Ambient visibility (1/π) ∫ V cos θ dω by cosine-distributed rays.    \[Zhukov98]
     Ao,
     /// Mean of V over uniformly distributed directions of the hemisphere, 1/2π ∫ V dω.
     AoUniform,
@@ -157,7 +157,7 @@ pub enum Strategy {
     Lights,
 }
 
-/// Ending of paths by chance: a path goes on with probability q, and what it finds is divided by q.    [Arvo90]
+/// Ending of paths by chance: a path goes on with probability q, and what it finds is divided by q.    \[Arvo90]
 ///
 /// Unbiased for every q in (0, 1]; it trades noise for time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

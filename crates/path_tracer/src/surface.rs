@@ -3,7 +3,7 @@
 //! # Normals
 //! Every surface is shaded on the side that is seen, single-sided ones too (a rasteriser would cull their backs; a path tracer
 //! that did so would leak light). The shading normal is the interpolated one, perturbed by the normal map, and bent towards the
-//! viewer until the mirror direction lies above the geometric surface [Keller17]. What the BSDF sends above the shading normal's
+//! viewer until the mirror direction lies above the geometric surface \[Keller17]. What the BSDF sends above the shading normal's
 //! horizon but below the geometric surface is folded back: mirrored at the geometric surface, f'(ωi) = f(ωi) + f(mirror ωi). So a
 //! white surface stays white, nothing leaks through the surface, and no energy is gained; both estimators see the same f'.
 //! Transmissive surfaces are not folded, for they have a far side: there, directions on which the two normals disagree carry no light.
@@ -205,7 +205,7 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// Bends a unit normal towards `wo` until the mirror direction of `wo` lies above the geometric surface.    [Keller17] appendix
+/// Bends a unit normal towards `wo` until the mirror direction of `wo` lies above the geometric surface.    \[Keller17] appendix
 fn bent(normal: Vec3, geometric: Vec3, wo: Vec3) -> Vec3 {
     let mirror = 2.0 * normal.dot(wo) * normal - wo;
     let above = mirror.dot(geometric);

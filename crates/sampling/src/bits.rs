@@ -9,7 +9,7 @@ pub fn unit_f32(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / (1u32 << 24) as f32)
 }
 
-/// Mixes 32 bits, a bijection.    [Wellons18] `lowbias32`
+/// Mixes 32 bits, a bijection.    \[Wellons18] `lowbias32`
 #[inline]
 pub fn hash_u32(mut x: u32) -> u32 {
     x ^= x >> 16;
@@ -19,7 +19,7 @@ pub fn hash_u32(mut x: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// Mixes 64 bits, a bijection: the output function of SplitMix64.    [Steele14] section 5
+/// Mixes 64 bits, a bijection: the output function of SplitMix64.    \[Steele14] section 5
 #[inline]
 pub fn hash_u64(mut x: u64) -> u64 {
     x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -30,7 +30,7 @@ pub fn hash_u64(mut x: u64) -> u64 {
 
 /// Owen scrambling of a point given with its bits reversed: each bit is flipped by a hash of the seed and the bits below it.
 ///
-/// [Burley20] section 3 with the multipliers of [Vegdahl21]
+/// \[Burley20] section 3 with the multipliers of \[Vegdahl21]
 #[inline]
 pub(crate) fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
@@ -42,13 +42,13 @@ pub(crate) fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
 
 /// Nested uniform (Owen) scrambling of a 32-bit fraction: each bit is flipped by a hash of the seed and the bits above it.
 ///
-/// A bijection that keeps every aligned power-of-two interval together, so nets stay nets.    [Owen95], [Burley20] listing 3
+/// A bijection that keeps every aligned power-of-two interval together, so nets stay nets.    \[Owen95], \[Burley20] listing 3
 #[inline]
 pub fn nested_uniform_scramble(x: u32, seed: u32) -> u32 {
     scramble_reversed(x.reverse_bits(), seed).reverse_bits()
 }
 
-/// Interleaves the bits of `x` (even places) and `y` (odd places): the order of pixels along the Z curve.    [Morton66]
+/// Interleaves the bits of `x` (even places) and `y` (odd places): the order of pixels along the Z curve.    \[Morton66]
 #[inline]
 pub fn morton_2d(x: u32, y: u32) -> u64 {
     spread(x) | (spread(y) << 1)

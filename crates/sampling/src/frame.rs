@@ -17,7 +17,7 @@ impl Frame {
     /// The frame that changes nothing.
     pub const IDENTITY: Self = Self { x: Vec3::X, y: Vec3::Y, z: Vec3::Z };
 
-    /// Some frame around the unit vector `z`, continuous except at z.z = 0⁻.    [Duff17] listing 3
+    /// Some frame around the unit vector `z`, continuous except at z.z = 0⁻.    \[Duff17] listing 3
     #[inline]
     pub fn from_z(z: Vec3) -> Self {
         let sign = 1.0f32.copysign(z.z);

@@ -3,7 +3,7 @@
 use crate::bits::ONE_MINUS_EPSILON;
 use glam::Vec2;
 
-/// Mirrors the digits of `index` in `base` (2 or more) at the radix point: Φ_b(Σ d_k b^k) = Σ d_k b^(−k−1), in [0, 1).    [Halton64]
+/// Mirrors the digits of `index` in `base` (2 or more) at the radix point: Φ_b(Σ d_k b^k) = Σ d_k b^(−k−1), in [0, 1).    \[Halton64]
 pub fn radical_inverse(base: u32, mut index: u32) -> f32 {
     let inv_base = 1.0 / f64::from(base);
     let (mut digits, mut scale) = (0u64, 1.0f64);
@@ -15,12 +15,12 @@ pub fn radical_inverse(base: u32, mut index: u32) -> f32 {
     ((digits as f64 * scale) as f32).min(ONE_MINUS_EPSILON)
 }
 
-/// Point `index` of the Halton sequence in bases 2 and 3. Start at 1: point 0 is the corner (0, 0).    [Halton64]
+/// Point `index` of the Halton sequence in bases 2 and 3. Start at 1: point 0 is the corner (0, 0).    \[Halton64]
 pub fn halton_2d(index: u32) -> Vec2 {
     Vec2::new(radical_inverse(2, index), radical_inverse(3, index))
 }
 
-/// Point `index` of `count` (> 0) Hammersley points (i / N, Φ₂(i)).    [Niederreiter92] section 3.1
+/// Point `index` of `count` (> 0) Hammersley points (i / N, Φ₂(i)).    \[Niederreiter92] section 3.1
 pub fn hammersley_2d(index: u32, count: u32) -> Vec2 {
     Vec2::new((index as f32 / count as f32).min(ONE_MINUS_EPSILON), radical_inverse(2, index))
 }

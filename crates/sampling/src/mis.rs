@@ -1,6 +1,6 @@
 //! Weights of multiple importance sampling.
 
-/// Balance heuristic: w_s = N_s p_s / Σ N_j p_j, for two strategies with equal counts.    [Veach98] eq. 9.8
+/// Balance heuristic: w_s = N_s p_s / Σ N_j p_j, for two strategies with equal counts.    \[Veach98] eq. 9.8
 ///
 /// Zero when both pdfs are zero. An infinite `pdf` (a delta) gets 1.
 #[inline]
@@ -14,7 +14,7 @@ pub fn balance_heuristic(pdf: f32, other: f32) -> f32 {
     }
 }
 
-/// Power heuristic with β = 2: w_s = p_s² / Σ p_j², for two strategies with equal counts.    [Veach98] eq. 9.11
+/// Power heuristic with β = 2: w_s = p_s² / Σ p_j², for two strategies with equal counts.    \[Veach98] eq. 9.11
 ///
 /// Written with the ratio of the pdfs, so that large pdfs do not overflow.
 #[inline]

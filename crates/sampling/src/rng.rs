@@ -3,7 +3,7 @@
 use crate::bits::{hash_u64, unit_f32};
 use glam::Vec2;
 
-/// Sequential pseudo-random numbers, SplitMix64.    [Steele14]
+/// Sequential pseudo-random numbers, SplitMix64.    \[Steele14]
 #[derive(Clone, Debug)]
 pub struct Rng {
     state: u64,

@@ -13,13 +13,13 @@ use glam::{UVec2, Vec2};
 /// Which points a [`Sampler`] hands out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SamplerKind {
-    /// Owen-scrambled Sobol pairs, shuffled per pixel and dimension: error falls faster than N^-1/2.    [Burley20]
+    /// Owen-scrambled Sobol pairs, shuffled per pixel and dimension: error falls faster than N^-1/2.    \[Burley20]
     #[default]
     Sobol,
     /// Independent pseudo-random numbers: the plain Monte Carlo baseline.
     Independent,
     /// One Owen-scrambled Sobol set per dimension, dealt to the pixels along a scrambled Z curve: neighbouring pixels get
-    /// points that complement each other, so the error of the image is blue noise.    [Ahmed20]
+    /// points that complement each other, so the error of the image is blue noise.    \[Ahmed20]
     BlueNoise {
         /// Base-2 logarithm of the samples a pixel will take; later samples start a new, independent pass.
         log2_samples: u32,

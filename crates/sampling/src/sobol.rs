@@ -7,7 +7,7 @@
 use crate::bits::{scramble_reversed, unit_f32};
 use glam::Vec2;
 
-/// Pascal's matrix modulo 2 applied to the bits of `index`; the second Sobol coordinate with its bits reversed.    [Ahmed24]
+/// Pascal's matrix modulo 2 applied to the bits of `index`; the second Sobol coordinate with its bits reversed.    \[Ahmed24]
 #[inline]
 pub(crate) fn pascal(mut index: u32) -> u32 {
     index ^= (index >> 16) & 0x0000_ffff;
@@ -20,7 +20,7 @@ pub(crate) fn pascal(mut index: u32) -> u32 {
 /// XOR of the direction numbers of dimension three, bits reversed, for each value of each byte of the index.
 static THIRD: [[u32; 256]; 4] = third_dimension();
 
-/// Primitive polynomial x² + x + 1, m = 1, 3: m_k = 2 m_{k−1} ⊕ 4 m_{k−2} ⊕ m_{k−2}, v_k = m_k 2^(32−k).    [Joe08]
+/// Primitive polynomial x² + x + 1, m = 1, 3: m_k = 2 m_{k−1} ⊕ 4 m_{k−2} ⊕ m_{k−2}, v_k = m_k 2^(32−k).    \[Joe08]
 const fn third_dimension() -> [[u32; 256]; 4] {
     let mut reversed = [0u32; 32];
     let (mut older, mut newer) = (1u32, 3u32);
@@ -59,13 +59,13 @@ fn third(index: u32) -> u32 {
     THIRD[0][a] ^ THIRD[1][b] ^ THIRD[2][c] ^ THIRD[3][d]
 }
 
-/// Point `index` of the two-dimensional Sobol sequence, a (0, 2)-sequence in base 2.    [Sobol67]
+/// Point `index` of the two-dimensional Sobol sequence, a (0, 2)-sequence in base 2.    \[Sobol67]
 #[inline]
 pub fn sobol_2d(index: u32) -> Vec2 {
     Vec2::new(unit_f32(index.reverse_bits()), unit_f32(pascal(index).reverse_bits()))
 }
 
-/// [`sobol_2d`] with independent Owen scrambling of both coordinates.    [Burley20]
+/// [`sobol_2d`] with independent Owen scrambling of both coordinates.    \[Burley20]
 #[inline]
 pub(crate) fn sobol_2d_scrambled(index: u32, seed_x: u32, seed_y: u32) -> Vec2 {
     Vec2::new(unit_f32(scramble_reversed(index, seed_x).reverse_bits()), unit_f32(scramble_reversed(pascal(index), seed_y).reverse_bits()))

@@ -45,7 +45,7 @@ pub fn chi_square_p_value(observed: &[f64], expected: &[f64], fitted: usize) -> 
     }
 }
 
-/// Running mean and variance.    [Welford62]
+/// Running mean and variance.    \[Welford62]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Moments {
     count: u64,

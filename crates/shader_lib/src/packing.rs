@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-/// A unit vector as a point of [−1, 1]²: projected to the octahedron, its lower half folded outwards.    [Cigolle14] section 3
+/// A unit vector as a point of [−1, 1]²: projected to the octahedron, its lower half folded outwards.    \[Cigolle14] section 3
 pub fn octahedral_encode(n: Vec3) -> Vec2 {
     let p = n.truncate() / (n.x.abs() + n.y.abs() + n.z.abs());
     if n.z >= 0.0 { p } else { fold(p) }

@@ -3,7 +3,7 @@
 use glam::{UVec2, Vec2};
 use kajo_sampling::{hash_u32, unit_f32};
 
-/// 32 random bits: the coordinates hashed one after the other, each keyed by the ones before.    [Jarzynski20] section 4.2
+/// 32 random bits: the coordinates hashed one after the other, each keyed by the ones before.    \[Jarzynski20] section 4.2
 pub fn hash_pixel(pixel: UVec2, frame: u32, dimension: u32) -> u32 {
     let x = hash_u32(pixel.x.wrapping_add(0x6b61_6a6f));
     let y = hash_u32(pixel.y.wrapping_add(x));

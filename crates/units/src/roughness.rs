@@ -11,7 +11,7 @@ pub struct PerceptualRoughness(pub f32);
 pub struct Alpha(pub f32);
 
 impl PerceptualRoughness {
-    /// α = r².    [Burley12] section 5.4, glTF 2.0 appendix B.2.3
+    /// α = r².    \[Burley12] section 5.4, glTF 2.0 appendix B.2.3
     pub fn to_alpha(self) -> Alpha {
         Alpha(self.0 * self.0)
     }

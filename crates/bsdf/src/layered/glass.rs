@@ -1,4 +1,4 @@
-//! Transmission: a thin sheet that does not bend light, or the rough boundary of a volume.    [Walter07]
+//! Transmission: a thin sheet that does not bend light, or the rough boundary of a volume.    \[Walter07]
 //!
 //! Reflection uses the exact Fresnel equations. Rough glass is divided by its albedo, so that a lossless one keeps all light.
 //! Dispersion gives each channel its own index ([`Glass::etas`]); transmitted samples pick one channel.

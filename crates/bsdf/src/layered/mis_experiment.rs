@@ -52,7 +52,7 @@ impl Case {
     }
 }
 
-/// Var(balance) ≤ Var(strategy s with its own n_s samples) + (1/min n − 1/Σn) μ².    [Veach98] theorem 9.2
+/// Var(balance) ≤ Var(strategy s with its own n_s samples) + (1/min n − 1/Σn) μ².    \[Veach98] theorem 9.2
 #[test]
 fn balance_heuristic_stays_within_veachs_bound_and_beats_each_strategy_somewhere() {
     let mut beaten = [false; 2];

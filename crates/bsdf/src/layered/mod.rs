@@ -3,7 +3,7 @@
 //! From outside to inside: clear coat, sheen, base. The base is a mix of three, with the weights of glTF 2.0 appendix B:
 //! metal (`metallic`), glass ((1 − metallic) · transmission) and opaque dielectric (the rest), all with the same GGX facets.
 //!
-//! Energy. Metal and dielectric reflection carry the reciprocal multiple-scattering lobe ([Kulla17]); the diffuse lobe of the
+//! Energy. Metal and dielectric reflection carry the reciprocal multiple-scattering lobe (\[Kulla17]); the diffuse lobe of the
 //! dielectric is scaled by (1 − E(o))(1 − E(i))/(1 − Ē) with the albedo E of the reflection above it, so that a white one
 //! reflects everything; glass is divided by its albedo; coat and sheen scale what lies below by one minus their albedo at `wo`.
 //! Metal and opaque dielectric are reciprocal. Coat, sheen and the factor on rough glass depend on `wo` alone, as glTF's

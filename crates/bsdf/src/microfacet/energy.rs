@@ -97,7 +97,7 @@ pub fn glass_albedo_aniso(alpha: Vec2, v: Vec3, eta: f32) -> f32 {
     tables::ANISO_GLASS_GRID.interpolate(|i| tables::ANISO_GLASS.get(i), position)
 }
 
-/// Colour of the light that meets several facets: F_ms = F̄² Ē / (1 − F̄ (1 − Ē)).    [Kulla17] slide 17, [Turquin19] eq. 9
+/// Colour of the light that meets several facets: F_ms = F̄² Ē / (1 − F̄ (1 − Ē)).    \[Kulla17] slide 17, \[Turquin19] eq. 9
 #[inline]
 pub fn ggx_multiple_scattering_color(f0: Vec3, f90: Vec3, white_average: f32) -> Vec3 {
     let f = fresnel_schlick_average(f0, f90);

@@ -25,7 +25,7 @@ pub fn ggx_d(alpha: Alpha, n_dot_m: f32) -> f32 {
     a2 / (PI * d * d)
 }
 
-/// GGX normal distribution D(m), anisotropic: 1/(π α_x α_y (m_x²/α_x² + m_y²/α_y² + m_z²)²).    [Heitz14] eq. 84
+/// GGX normal distribution D(m), anisotropic: 1/(π α_x α_y (m_x²/α_x² + m_y²/α_y² + m_z²)²).    \[Heitz14] eq. 84
 ///
 /// Unit: 1/sr. `m` a unit vector; 0 below the surface.
 #[inline]
@@ -38,7 +38,7 @@ pub fn ggx_d_aniso(alpha: Vec2, m: Vec3) -> f32 {
     1.0 / (PI * alpha.x * alpha.y * s * s)
 }
 
-/// Smith masking G1(v) = 2 cos / (cos + √(α² + (1 − α²) cos²)), isotropic.    [Walter07] eq. 34
+/// Smith masking G1(v) = 2 cos / (cos + √(α² + (1 − α²) cos²)), isotropic.    \[Walter07] eq. 34
 #[inline]
 pub fn ggx_g1(alpha: Alpha, n_dot_v: f32) -> f32 {
     let a2 = alpha.0 * alpha.0;
@@ -46,7 +46,7 @@ pub fn ggx_g1(alpha: Alpha, n_dot_v: f32) -> f32 {
     2.0 * c / (c + (a2 + (1.0 - a2) * c * c).sqrt()).max(f32::MIN_POSITIVE)
 }
 
-/// Smith's Λ(v) = (√(1 + (α_x² v_x² + α_y² v_y²)/v_z²) − 1)/2, anisotropic.    [Heitz14] eq. 86
+/// Smith's Λ(v) = (√(1 + (α_x² v_x² + α_y² v_y²)/v_z²) − 1)/2, anisotropic.    \[Heitz14] eq. 86
 #[inline]
 pub fn ggx_lambda_aniso(alpha: Vec2, v: Vec3) -> f32 {
     0.5 * (stretched_length(alpha, v) / v.z.abs().max(f32::MIN_POSITIVE) - 1.0).max(0.0)
@@ -59,7 +59,7 @@ pub fn ggx_g1_aniso(alpha: Vec2, v: Vec3) -> f32 {
     2.0 * z / (z + stretched_length(alpha, v)).max(f32::MIN_POSITIVE)
 }
 
-/// Height-correlated Smith masking and shadowing G2 = 1/(1 + Λ(o) + Λ(i)), isotropic, both on one side.    [Heitz14] eq. 99
+/// Height-correlated Smith masking and shadowing G2 = 1/(1 + Λ(o) + Λ(i)), isotropic, both on one side.    \[Heitz14] eq. 99
 #[inline]
 pub fn ggx_g2(alpha: Alpha, n_dot_o: f32, n_dot_i: f32) -> f32 {
     4.0 * n_dot_o.max(0.0) * n_dot_i.max(0.0) * ggx_visibility(alpha, n_dot_o, n_dot_i)
@@ -72,7 +72,7 @@ pub fn ggx_g2_aniso(alpha: Vec2, wo: Vec3, wi: Vec3) -> f32 {
     4.0 * (wo.z * wi.z).abs() * ggx_visibility_aniso(alpha, wo, wi)
 }
 
-/// V = G2 / (4 cos θo cos θi), isotropic, height-correlated.    [Lagarde14] section 3.2.1
+/// V = G2 / (4 cos θo cos θi), isotropic, height-correlated.    \[Lagarde14] section 3.2.1
 #[inline]
 pub fn ggx_visibility(alpha: Alpha, n_dot_o: f32, n_dot_i: f32) -> f32 {
     let a2 = alpha.0 * alpha.0;
@@ -95,7 +95,7 @@ pub(crate) fn stretched_length(alpha: Vec2, v: Vec3) -> f32 {
     Vec3::new(alpha.x * v.x, alpha.y * v.y, v.z).length()
 }
 
-/// A facet normal with density D(m) (n·m): θ = arctan(α √(u/(1 − u))).    [Walter07] eqs. 35, 36
+/// A facet normal with density D(m) (n·m): θ = arctan(α √(u/(1 − u))).    \[Walter07] eqs. 35, 36
 #[inline]
 pub fn ggx_sample_normal(alpha: Vec2, u: Vec2) -> Vec3 {
     let (sin, cos) = (TAU * u.y).sin_cos();
@@ -103,7 +103,7 @@ pub fn ggx_sample_normal(alpha: Vec2, u: Vec2) -> Vec3 {
     Vec3::new(alpha.x * slope * cos, alpha.y * slope * sin, 1.0).normalize()
 }
 
-/// A facet normal visible from `wo` (wo.z > 0), density [`ggx_vndf_pdf`].    [Heitz18], as a spherical cap [Dupuy23]
+/// A facet normal visible from `wo` (wo.z > 0), density [`ggx_vndf_pdf`].    \[Heitz18], as a spherical cap \[Dupuy23]
 #[inline]
 pub fn ggx_sample_vndf(alpha: Vec2, wo: Vec3, u: Vec2) -> Vec3 {
     let stretched = Vec3::new(alpha.x * wo.x, alpha.y * wo.y, wo.z).normalize();
@@ -129,7 +129,7 @@ pub fn ggx_cap_bound(alpha: Vec2, wo: Vec3) -> f32 {
 }
 
 /// A facet normal for reflection from `wo` (wo.z > 0): [`ggx_sample_vndf`] without most of the facets that would reflect below
-/// the surface. The density of the reflected direction is [`ggx_reflection_pdf`].    [Eto23]
+/// the surface. The density of the reflected direction is [`ggx_reflection_pdf`].    \[Eto23]
 #[inline]
 pub fn ggx_sample_reflection(alpha: Vec2, wo: Vec3, u: Vec2) -> Vec3 {
     let stretched = Vec3::new(alpha.x * wo.x, alpha.y * wo.y, wo.z).normalize();
@@ -141,13 +141,13 @@ pub fn ggx_sample_reflection(alpha: Vec2, wo: Vec3, u: Vec2) -> Vec3 {
     Vec3::new(alpha.x * h.x, alpha.y * h.y, h.z.max(1e-20)).normalize()
 }
 
-/// Density of the direction mirrored at a normal of [`ggx_sample_reflection`]: D(m) / (2 (k wo.z + |stretched wo|)).    [Eto23]
+/// Density of the direction mirrored at a normal of [`ggx_sample_reflection`]: D(m) / (2 (k wo.z + |stretched wo|)).    \[Eto23]
 #[inline]
 pub fn ggx_reflection_pdf(alpha: Vec2, wo: Vec3, m: Vec3) -> f32 {
     0.5 * ggx_d_aniso(alpha, m) / (ggx_cap_bound(alpha, wo) * wo.z + stretched_length(alpha, wo)).max(f32::MIN_POSITIVE)
 }
 
-/// Density of [`ggx_sample_vndf`]: G1(wo) D(m) max(0, wo·m) / wo.z, per solid angle of m.    [Heitz18] eq. 3
+/// Density of [`ggx_sample_vndf`]: G1(wo) D(m) max(0, wo·m) / wo.z, per solid angle of m.    \[Heitz18] eq. 3
 ///
 /// The density of the mirrored direction wi is this over 4 wo·m.
 #[inline]

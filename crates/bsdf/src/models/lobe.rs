@@ -22,7 +22,7 @@ pub enum Lobe<T> {
         /// Exponent ≥ 0.
         n: T,
     },
-    /// Half vectors by exp(−tan²δ (cos²φ/m_x² + sin²φ/m_y²))/(π m_x m_y cos³δ).    [Ward92], [Walter05]
+    /// Half vectors by exp(−tan²δ (cos²φ/m_x² + sin²φ/m_y²))/(π m_x m_y cos³δ).    \[Ward92], \[Walter05]
     Gauss {
         /// Slope along x, > 0.
         mx: T,
@@ -36,7 +36,7 @@ pub enum Lobe<T> {
         /// Slope along y, > 0.
         my: T,
     },
-    /// Half vectors by √((n_x+1)(n_y+1))/(2π) cos δ^(n_x cos²φ + n_y sin²φ).    [Ashikhmin00]
+    /// Half vectors by √((n_x+1)(n_y+1))/(2π) cos δ^(n_x cos²φ + n_y sin²φ).    \[Ashikhmin00]
     HalfPower {
         /// Exponent along x, ≥ 0.
         nx: T,
@@ -44,21 +44,21 @@ pub enum Lobe<T> {
         ny: T,
     },
     /// Half vectors by cos δ · r/(π (1 + r cos²δ − cos²δ)²) · √p/(cos²φ + p sin²φ): Schlick's zenith term, which is Trowbridge-Reitz with α² = r, and an
-    /// azimuth that his A(φ) exceeds nowhere.    [Schlick94]
+    /// azimuth that his A(φ) exceeds nowhere.    \[Schlick94]
     Rational {
         /// Roughness, > 0.
         r: T,
         /// Isotropy in (0, 1]; 1 is isotropic.
         p: T,
     },
-    /// Half vectors as the viewer sees GGX facets, without most of those that reflect below the surface.    [Heitz18], [Eto23]
+    /// Half vectors as the viewer sees GGX facets, without most of those that reflect below the surface.    \[Heitz18], \[Eto23]
     VisibleGgx {
         /// Width of slopes along x, in (0, 1].
         alpha_x: T,
         /// Width of slopes along y, in (0, 1].
         alpha_y: T,
     },
-    /// Half vectors by D cos δ/π, D of Trowbridge and Reitz: 1/(m_x m_y (cos²δ + sin²δ (cos²φ/m_x² + sin²φ/m_y²))²).    [Walter07]
+    /// Half vectors by D cos δ/π, D of Trowbridge and Reitz: 1/(m_x m_y (cos²δ + sin²δ (cos²φ/m_x² + sin²φ/m_y²))²).    \[Walter07]
     LongTail {
         /// Slope along x, > 0.
         mx: T,
@@ -257,7 +257,7 @@ impl<T: Scalar> Lobe<T> {
 }
 
 /// Factor by which the cap of visible normals shrinks when only reflections above the surface count: (1 − a²)s²/(s² + a²z²), a the smaller width,
-/// s = 1 + √(1 − z²), z = wo.z.    [Eto23]
+/// s = 1 + √(1 − z²), z = wo.z.    \[Eto23]
 #[inline]
 fn visible_cap<T: Scalar>(alpha_x: T, alpha_y: T, wo: V3<T>) -> T {
     let a2 = alpha_x.min(alpha_y).squared();
@@ -310,7 +310,7 @@ fn quadrant_azimuth<T: Scalar>(v: T, ratio: T) -> T {
     (ratio * turn.sin()).atan2(turn.cos())
 }
 
-/// `local` about +z, turned so that +z becomes `axis`.    [Duff17] listing 3
+/// `local` about +z, turned so that +z becomes `axis`.    \[Duff17] listing 3
 #[inline]
 pub(super) fn to_frame<T: Scalar>(axis: V3<T>, local: V3<T>) -> V3<T> {
     let sign = if axis.z < T::zero() { -T::one() } else { T::one() };

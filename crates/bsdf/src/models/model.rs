@@ -23,11 +23,11 @@ pub enum Form {
 pub enum Kind {
     /// f, a BRDF in 1/sr.
     Brdf,
-    /// S, a shading function that contains the cosine of the light, for lights of radiance L_k: Σ S L_k.    [Schlick94survey]
+    /// S, a shading function that contains the cosine of the light, for lights of radiance L_k: Σ S L_k.    \[Schlick94survey]
     Bsf,
 }
 
-/// What the literature says of a model (Table 5.1 of [Falski04]); `kajo bsdf table` puts measurements beside it.
+/// What the literature says of a model (Table 5.1 of \[Falski04]); `kajo bsdf table` puts measurements beside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs, reason = "the names say it")]
 pub struct Claims {

@@ -71,7 +71,7 @@ impl Hemisphere {
 
 /// Nodes and weights on [0, 1] that integrate polynomials up to degree 2n − 1 exactly, in increasing order.
 ///
-/// The roots of the Legendre polynomial by Newton's method; the weight of x on [−1, 1] is 2/((1 − x²) P'_n(x)²).    [AbramowitzStegun64] 25.4.29
+/// The roots of the Legendre polynomial by Newton's method; the weight of x on [−1, 1] is 2/((1 − x²) P'_n(x)²).    \[AbramowitzStegun64] 25.4.29
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     let mut nodes = vec![(0.5, 1.0); n];
     for i in 0..n.div_ceil(2) {

@@ -21,7 +21,7 @@ fn point(i: u32, n: u32) -> Vec2 {
     (sobol_2d(i) + Vec2::splat(0.5 / n as f32)).min(Vec2::splat(0.999_999))
 }
 
-/// Directional albedo of GGX single scattering, as factors of f0 and f90 of Schlick's Fresnel, with `n` samples.    [Karis13]
+/// Directional albedo of GGX single scattering, as factors of f0 and f90 of Schlick's Fresnel, with `n` samples.    \[Karis13]
 ///
 /// ```text
 /// E(wo) = ∫ f cos θi dωi = f0 ∫ (1 − w) G2/G1 + f90 ∫ w G2/G1,    w = (1 − wo·m)⁵, m over visible normals

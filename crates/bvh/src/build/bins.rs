@@ -1,4 +1,4 @@
-//! Binned surface area heuristic, [Wald07].
+//! Binned surface area heuristic, \[Wald07].
 
 use super::tree::{Bounds, Cost, Item, Split, half_area};
 use glam::Vec4;

@@ -13,7 +13,7 @@ const XYZ_FROM_LINEAR: Mat3 = Mat3::from_cols(
 static LINEAR_FROM_XYZ: LazyLock<Mat3> = LazyLock::new(|| XYZ_FROM_LINEAR.inverse());
 static WHITE: LazyLock<Vec3> = LazyLock::new(|| XYZ_FROM_LINEAR * Vec3::ONE);
 
-/// YyCxCz, a linear form of L*a*b*: (116 Y − 16, 500 (X − Y), 200 (Y − Z)), relative to white.    [Andersson20] eq. 4
+/// YyCxCz, a linear form of L*a*b*: (116 Y − 16, 500 (X − Y), 200 (Y − Z)), relative to white.    \[Andersson20] eq. 4
 pub fn opponent_from_linear(rgb: Vec3) -> Vec3 {
     let v = XYZ_FROM_LINEAR * rgb / *WHITE;
     Vec3::new(116.0 * v.y - 16.0, 500.0 * (v.x - v.y), 200.0 * (v.y - v.z))
@@ -25,7 +25,7 @@ pub fn linear_from_opponent(opponent: Vec3) -> Vec3 {
     *LINEAR_FROM_XYZ * (Vec3::new(y + opponent.y / 500.0, y, y - opponent.z / 200.0) * *WHITE)
 }
 
-/// L*a*b* of a filtered colour, clamped to the display's gamut, chroma scaled by 0.01 L* (Hunt effect).    [Andersson20] eq. 8 and 9
+/// L*a*b* of a filtered colour, clamped to the display's gamut, chroma scaled by 0.01 L* (Hunt effect).    \[Andersson20] eq. 8 and 9
 pub fn hunt_lab(opponent: Vec3) -> Vec3 {
     let displayed = linear_from_opponent(opponent).clamp(Vec3::ZERO, Vec3::ONE);
     let f = (XYZ_FROM_LINEAR * displayed / *WHITE).to_array().map(cube_root);
@@ -39,7 +39,7 @@ fn cube_root(t: f32) -> f32 {
     if t > DELTA * DELTA * DELTA { t.cbrt() } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
 }
 
-/// HyAB: |ΔL*| + √(Δa² + Δb²), which keeps large differences apart better than a Euclidean distance.    [Andersson20] eq. 10
+/// HyAB: |ΔL*| + √(Δa² + Δb²), which keeps large differences apart better than a Euclidean distance.    \[Andersson20] eq. 10
 pub fn hyab(a: Vec3, b: Vec3) -> f32 {
     let d = a - b;
     d.x.abs() + d.y.hypot(d.z)

@@ -7,11 +7,11 @@ use std::f32::consts::PI;
 use std::ops::{Add, Mul};
 
 /// Contrast sensitivity as Gaussians a √(π/b) exp(−π² d²/b), d in degrees: achromatic, red-green, and blue-yellow as a sum of two.
-///     [Andersson20] table 1
+///     \[Andersson20] table 1
 const ACHROMATIC: (f32, f32) = (1.0, 0.0047);
 const RED_GREEN: (f32, f32) = (1.0, 0.0053);
 const BLUE_YELLOW: [(f32, f32); 2] = [(34.1, 0.04), (13.5, 0.025)];
-/// Width of an edge detector's Gaussian, degrees.    [Andersson20] section 4.4
+/// Width of an edge detector's Gaussian, degrees.    \[Andersson20] section 4.4
 const EDGE_WIDTH: f32 = 0.082;
 
 /// Contrast sensitivity filters. A Gaussian of d² = x² + y² is a product of two; blue-yellow is a sum of two such products, so four 1D
@@ -85,7 +85,7 @@ impl FeatureFilter {
         Self { radius, weights }
     }
 
-    /// [edge, point] strength per pixel of the achromatic channel scaled to [0, 1].    [Andersson20] eq. 14 and 15
+    /// [edge, point] strength per pixel of the achromatic channel scaled to [0, 1].    \[Andersson20] eq. 14 and 15
     pub fn apply(&self, image: &Image<Vec3>) -> Image<[f32; 2]> {
         let rows = convolve(image, self.radius, Axis::X, |k, p: Vec3| {
             let (w, y) = (self.weights[k], (p.x + 16.0) / 116.0);

@@ -1,4 +1,4 @@
-//! HDR-ꟻLIP: the largest ꟻLIP over the exposures a viewer might choose.    [Andersson21]
+//! HDR-ꟻLIP: the largest ꟻLIP over the exposures a viewer might choose.    \[Andersson21]
 
 use super::flip;
 use crate::MetricsError;
@@ -6,7 +6,7 @@ use crate::error::check;
 use kajo_image::Image;
 use kajo_units::LinearRgb;
 
-/// Luminance after tone mapping that fixes the range of exposures.    [Andersson21] section 3.1
+/// Luminance after tone mapping that fixes the range of exposures.    \[Andersson21] section 3.1
 const TARGET: f32 = 0.85;
 /// More steps than any display and scene need: 1e-12 to 1 is 40 stops.
 const MAX_EXPOSURES: usize = 40;
@@ -23,7 +23,7 @@ pub struct HdrExposures {
 }
 
 impl HdrExposures {
-    /// From the luminance of the reference.    [Andersson21] section 3.1
+    /// From the luminance of the reference.    \[Andersson21] section 3.1
     ///
     /// Deviation: the median is over pixels with light; in the paper's form a picture that is half black has an infinite exposure.
     pub fn of(reference: &Image<LinearRgb>) -> Self {
@@ -47,7 +47,7 @@ impl HdrExposures {
 }
 
 /// The HDR-ꟻLIP map: per pixel the largest ꟻLIP of both images exposed, tone mapped (a fit of ACES) and clamped, over
-/// [`HdrExposures::of`] the reference.    [Andersson21] section 3
+/// [`HdrExposures::of`] the reference.    \[Andersson21] section 3
 ///
 /// # Errors
 /// Sizes that differ, NaN.
@@ -62,7 +62,7 @@ pub fn flip_hdr(image: &Image<LinearRgb>, reference: &Image<LinearRgb>, pixels_p
     Ok(largest)
 }
 
-/// Numerator and denominator of the tone map, (a x² + b x + c), with the pre-exposure 0.6 inside.    [Andersson21] section 3.2
+/// Numerator and denominator of the tone map, (a x² + b x + c), with the pre-exposure 0.6 inside.    \[Andersson21] section 3.2
 const NUMERATOR: [f32; 3] = [0.36 * 2.51, 0.6 * 0.03, 0.0];
 const DENOMINATOR: [f32; 3] = [0.36 * 2.43, 0.6 * 0.59, 0.14];
 

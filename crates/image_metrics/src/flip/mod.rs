@@ -1,4 +1,4 @@
-//! ꟻLIP: the difference a viewer sees when two pictures alternate in place.    [Andersson20], [Andersson21]
+//! ꟻLIP: the difference a viewer sees when two pictures alternate in place.    \[Andersson20], \[Andersson21]
 //!
 //! Colours are filtered by the eye's contrast sensitivity and compared in a Hunt-adjusted L*a*b* space (HyAB distance); edges and points
 //! are compared apart, and raise the colour difference: ΔE = ΔE_c^(1 − ΔE_f). Per pixel 0 (equal) to 1 (opposite).
@@ -17,10 +17,10 @@ use kajo_image::Image;
 use kajo_units::LinearRgb;
 use rayon::prelude::*;
 
-/// Pixels per degree of a 0.7 m wide 3840 px display seen from 0.7 m.    [Andersson20] section 5
+/// Pixels per degree of a 0.7 m wide 3840 px display seen from 0.7 m.    \[Andersson20] section 5
 pub const PIXELS_PER_DEGREE: f32 = 67.020_64;
 
-/// Exponents and breakpoints of the maps to [0, 1].    [Andersson20] table 1, sections 4.3 and 4.4
+/// Exponents and breakpoints of the maps to [0, 1].    \[Andersson20] table 1, sections 4.3 and 4.4
 const Q_COLOR: f32 = 0.7;
 const P_COLOR: f32 = 0.4;
 const P_TARGET: f32 = 0.95;
@@ -59,13 +59,13 @@ pub fn mean(map: &Image<f32>) -> f64 {
     map.pixels().iter().map(|&e| f64::from(e)).sum::<f64>() / map.pixels().len().max(1) as f64
 }
 
-/// HyAB^q of green and blue, the largest distance in the sRGB cube.    [Andersson20] section 4.3
+/// HyAB^q of green and blue, the largest distance in the sRGB cube.    \[Andersson20] section 4.3
 fn largest_color_difference() -> f32 {
     let lab = |rgb| hunt_lab(opponent_from_linear(rgb));
     hyab(lab(glam::Vec3::Y), lab(glam::Vec3::Z)).powf(Q_COLOR)
 }
 
-/// Distances up to 0.4 of the largest take up [0, 0.95].    [Andersson20] eq. 12
+/// Distances up to 0.4 of the largest take up [0, 0.95].    \[Andersson20] eq. 12
 fn color_difference(distance: f32, largest: f32) -> f32 {
     let (d, knee) = (distance.powf(Q_COLOR), P_COLOR * largest);
     if d < knee { d * P_TARGET / knee } else { P_TARGET + (d - knee) / (largest - knee) * (1.0 - P_TARGET) }

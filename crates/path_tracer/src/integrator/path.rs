@@ -4,7 +4,7 @@
 //! L(x, ωo) = Le + ∫ f(ωi, ωo) L(x, ωi) |cos θi| dωi                                 [Kajiya86] eq. 1
 //! ```
 //!
-//! Both strategies find direct light; each contribution weighs w = p² / (p² + p_other²), the power heuristic [Veach98] eq. 9.11.
+//! Both strategies find direct light; each contribution weighs w = p² / (p² + p_other²), the power heuristic \[Veach98] eq. 9.11.
 //! Transmissive surfaces block shadow rays, so caustics come from BSDF sampling alone. A volume absorbs by the Beer-Lambert law
 //! between entering and leaving it; volumes do not nest: leaving any surface outwards ends the absorption.
 

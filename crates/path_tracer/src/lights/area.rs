@@ -179,7 +179,7 @@ fn hit_plane(origin: Vec3, direction: Vec3, origin_of_plane: Vec3, x: Vec3, y: V
     Some((t, Vec2::new(p.cross(y).dot(cross), x.cross(p).dot(cross)) / cross.length_squared()))
 }
 
-/// Distance to the nearer point of a sphere, from outside.    [Haines19]: precise for small, distant spheres
+/// Distance to the nearer point of a sphere, from outside.    \[Haines19]: precise for small, distant spheres
 fn hit_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32) -> Option<f32> {
     let to_center = center - origin;
     let along = to_center.dot(direction);

@@ -9,7 +9,7 @@ use glam::{DVec3, UVec2, Vec2, Vec3};
 use kajo_bvh::Ray;
 use kajo_scene::{Material, shapes};
 
-/// The nearest triangle of a whole scene by testing every one in double precision [Moeller97]: instance and distance.
+/// The nearest triangle of a whole scene by testing every one in double precision \[Moeller97]: instance and distance.
 fn nearest_by_force(world: &World, origin: Vec3, direction: Vec3) -> Option<(u32, f64)> {
     let (o, d) = (origin.as_dvec3(), direction.as_dvec3());
     let mut nearest: Option<(u32, f64)> = None;

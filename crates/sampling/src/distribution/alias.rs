@@ -3,7 +3,7 @@
 use super::clean;
 use crate::bits::ONE_MINUS_EPSILON;
 
-/// Chooses an index with probability proportional to its weight, in constant time.    [Walker77], built as in [Vose91]
+/// Chooses an index with probability proportional to its weight, in constant time.    \[Walker77], built as in \[Vose91]
 #[derive(Clone, Debug)]
 pub struct AliasTable {
     bins: Vec<Bin>,

@@ -84,7 +84,7 @@ impl Piecewise1d {
     }
 }
 
-/// A density on [0, 1)² that is constant in each of width × height equal cells: marginal in y, conditional in x.    [Pharr04]
+/// A density on [0, 1)² that is constant in each of width × height equal cells: marginal in y, conditional in x.    \[Pharr04]
 #[derive(Clone, Debug)]
 pub struct Piecewise2d {
     rows: Vec<Piecewise1d>,

@@ -4,7 +4,7 @@ use super::to_unit;
 use glam::Vec2;
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_4};
 
-/// Square to unit disc by concentric squares to concentric circles: uniform, keeps neighbours together.    [Shirley97]
+/// Square to unit disc by concentric squares to concentric circles: uniform, keeps neighbours together.    \[Shirley97]
 #[inline]
 pub fn concentric_disk(u: Vec2) -> Vec2 {
     let p = 2.0 * u - Vec2::ONE;

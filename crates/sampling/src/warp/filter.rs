@@ -22,7 +22,7 @@ pub fn tent_inverse(x: f32, radius: f32) -> f32 {
     to_unit(if x < 0.0 { 0.5 * t * t } else { 1.0 - 0.5 * t * t })
 }
 
-/// Two independent standard normal numbers: r = √(−2 ln(1 − u)), φ = 2π v.    [Box58]
+/// Two independent standard normal numbers: r = √(−2 ln(1 − u)), φ = 2π v.    \[Box58]
 #[inline]
 pub fn normal_2d(u: Vec2) -> Vec2 {
     (-2.0 * (-u.x).ln_1p()).sqrt() * Vec2::from_angle(TAU * u.y)

@@ -51,7 +51,7 @@ pub fn uniform_hemisphere_pdf(d: Vec3) -> f32 {
     if d.z >= 0.0 { FRAC_1_PI / 2.0 } else { 0.0 }
 }
 
-/// Cosine-weighted on the hemisphere: a uniform disc lifted to the sphere.    [Malley88]
+/// Cosine-weighted on the hemisphere: a uniform disc lifted to the sphere.    \[Malley88]
 ///
 /// The rim of the disc (one point in 2²³) is lifted by 1e-5, so that the density is never zero and no sample is lost.
 #[inline]

@@ -4,7 +4,7 @@ use super::{Cone, uniform_sphere, uniform_sphere_inverse, uniform_sphere_pdf};
 use crate::Frame;
 use glam::{Vec2, Vec3};
 
-/// Directions from a point that meet a sphere, uniform in solid angle.    [Shirley96] section 3.2
+/// Directions from a point that meet a sphere, uniform in solid angle.    \[Shirley96] section 3.2
 ///
 /// From inside the sphere every direction meets it, and the whole sphere of directions is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 /// Below this solid angle, sr, the sum of four angles loses its digits and the area is sampled instead.
 const SMALL: f64 = 1e-7;
 
-/// Points of a planar rectangle, uniform in the solid angle that it subtends at a point.    [Urena13]
+/// Points of a planar rectangle, uniform in the solid angle that it subtends at a point.    \[Urena13]
 ///
 /// Works in double precision: the solid angle is a difference of angles. For tiny solid angles the area is sampled and the
 /// density converted, which is the same to first order and always consistent with [`SphericalRectangle::pdf`].
@@ -103,7 +103,7 @@ impl SphericalRectangle {
     }
 }
 
-/// Solid angle of a rectangle at height `z` over the origin, and the sum k of [Urena13] eq. 4.
+/// Solid angle of a rectangle at height `z` over the origin, and the sum k of \[Urena13] eq. 4.
 fn solid_angle_and_k(x: [f64; 2], y: [f64; 2], z: f64) -> (f64, f64) {
     let (cx, cy) = (x.map(|x| x / (x * x + z * z).sqrt()), y.map(|y| y / (y * y + z * z).sqrt()));
     // Inner angles between the planes through the point and the edges.
@@ -112,7 +112,7 @@ fn solid_angle_and_k(x: [f64; 2], y: [f64; 2], z: f64) -> (f64, f64) {
     ((g[0] + g[1] - k).max(0.0), k)
 }
 
-/// Solid angle of the rectangle `corner`, `edge_x`, `edge_y` at `point`, sr.    [Urena13] eq. 3
+/// Solid angle of the rectangle `corner`, `edge_x`, `edge_y` at `point`, sr.    \[Urena13] eq. 3
 pub fn rectangle_solid_angle(point: Vec3, corner: Vec3, edge_x: Vec3, edge_y: Vec3) -> f32 {
     SphericalRectangle::new(point, corner, edge_x, edge_y).solid_angle()
 }

@@ -3,7 +3,7 @@
 use super::to_unit;
 use glam::{DVec3, Vec2, Vec3};
 
-/// Directions towards a triangle, uniform in the solid angle that it subtends at a point.    [Arvo95]
+/// Directions towards a triangle, uniform in the solid angle that it subtends at a point.    \[Arvo95]
 ///
 /// Works in double precision: the solid angle is a difference of angles. Below about 1e-7 sr prefer to sample the area.
 #[derive(Clone, Copy, Debug)]
@@ -70,12 +70,12 @@ fn slide(from: DVec3, towards: DVec3, cos: f64) -> DVec3 {
     cos * from + (1.0 - cos * cos).max(0.0).sqrt() * side
 }
 
-/// tan(Ω/2) = |a·(b×c)| / (1 + a·b + b·c + c·a).    [Oosterom83]
+/// tan(Ω/2) = |a·(b×c)| / (1 + a·b + b·c + c·a).    \[Oosterom83]
 fn solid_angle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
 }
 
-/// Solid angle of a triangle at `point`, sr.    [Oosterom83]
+/// Solid angle of a triangle at `point`, sr.    \[Oosterom83]
 pub fn triangle_solid_angle(point: Vec3, corners: [Vec3; 3]) -> f32 {
     SphericalTriangle::new(point, corners).solid_angle()
 }

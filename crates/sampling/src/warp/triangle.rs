@@ -3,7 +3,7 @@
 use super::to_unit;
 use glam::{Vec2, Vec3};
 
-/// Uniform barycentric coordinates by folding the square along its diagonal: low distortion, no square root.    [Heitz19]
+/// Uniform barycentric coordinates by folding the square along its diagonal: low distortion, no square root.    \[Heitz19]
 #[inline]
 pub fn triangle_barycentrics(u: Vec2) -> Vec3 {
     let (b0, b1) = if u.y > u.x {

@@ -1,6 +1,6 @@
 //! The Cornell box, number for number the scene dictionary `cornell_box()` that Mitsuba 3 (3.9) publishes, so that pictures compare one to one.
 //!
-//! [Goral84] built the first; the reflectances and the emission here are those of the dictionary. Its surfaces reflect on their front only, and its
+//! \[Goral84] built the first; the reflectances and the emission here are those of the dictionary. Its surfaces reflect on their front only, and its
 //! lamp is a white rectangle that emits: here an analytic light lies a tenth of a millimetre before a plate of the same size, white below
 //! and black above.
 

@@ -56,7 +56,7 @@ fn make(lamps: u32) -> Scene {
     stage.finish()
 }
 
-/// Over the court by the R2 sequence of low discrepancy [Roberts18], between the columns: positions inside a column move to its side.
+/// Over the court by the R2 sequence of low discrepancy \[Roberts18], between the columns: positions inside a column move to its side.
 fn lamp_position(i: u32) -> Vec3 {
     let n = f64::from(i);
     let square = |alpha: f64| ((0.5 + alpha * n).fract() * 2.0 - 1.0) as f32 * (HALF - 0.3);

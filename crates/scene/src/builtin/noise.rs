@@ -1,6 +1,6 @@
 //! Repeatable numbers for placing things.
 
-/// A hash of two numbers, well mixed in every bit.    [Jarzynski20], function pcg2d, one output
+/// A hash of two numbers, well mixed in every bit.    \[Jarzynski20], function pcg2d, one output
 pub(super) fn hash(a: u32, b: u32) -> u32 {
     let step = |v: u32| v.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
     let (mut x, mut y) = (step(a), step(b));

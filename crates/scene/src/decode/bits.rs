@@ -1,4 +1,4 @@
-//! Bits and Huffman codes of the BasisLZ streams.    [KTX2], "BasisLZ bitstream specification"
+//! Bits and Huffman codes of the BasisLZ streams.    \[KTX2], "BasisLZ bitstream specification"
 
 /// What is wrong with a stream.
 pub type Malformed = &'static str;

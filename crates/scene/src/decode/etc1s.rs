@@ -1,11 +1,11 @@
 //! ETC1S images in BasisLZ streams: blocks of 4 × 4 texels name a colour and a pattern in two code books.
-//! [KTX2], "BasisLZ bitstream specification" and "ETC1S slice data"
+//! \[KTX2], "BasisLZ bitstream specification" and "ETC1S slice data"
 //!
 //! Every decoder accepts any bytes and stops at the first thing that cannot be.
 
 use super::bits::{Bits, Huffman, Malformed};
 
-/// Distance of the four colours of a block from its base colour.    [KDF], "ETC1S"
+/// Distance of the four colours of a block from its base colour.    \[KDF], "ETC1S"
 const MODIFIERS: [[i32; 4]; 8] = [
     [-8, -2, 2, 8],
     [-17, -5, 5, 17],

@@ -1,4 +1,4 @@
-//! KTX 2: plain texels, optionally compressed by Zstandard, and Basis Universal.    [KTX2]
+//! KTX 2: plain texels, optionally compressed by Zstandard, and Basis Universal.    \[KTX2]
 //!
 //! The first mip level of a two-dimensional image is read; the smaller ones are the renderer's to make.
 

@@ -1,4 +1,4 @@
-//! The container of KTX 2: where the first level lies, and what it is.    [KTX2], section 3
+//! The container of KTX 2: where the first level lies, and what it is.    \[KTX2], section 3
 //!
 //! Only what one two-dimensional image needs is read, and nothing outside the file.
 

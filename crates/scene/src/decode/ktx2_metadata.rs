@@ -1,5 +1,5 @@
 //! What the key/value data of a KTX 2 file says about its texels: which way rows and columns run, and where channels come from.
-//! [KTX2], section 5
+//! \[KTX2], section 5
 //!
 //! glTF allows only the values that change nothing, but a file that says otherwise means it.
 

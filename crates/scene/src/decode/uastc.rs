@@ -1,9 +1,9 @@
-//! UASTC blocks: 4 × 4 texels in 16 bytes, in one of 19 modes.    [KDF], "UASTC compressed texture image format"
+//! UASTC blocks: 4 × 4 texels in 16 bytes, in one of 19 modes.    \[KDF], "UASTC compressed texture image format"
 //!
 //! Two to six end colours, each texel between a pair of them by its weight. Texels belong to up to three subsets by a pattern of ASTC;
 //! some modes have a second plane of weights for one channel.
 
-/// How end colours are stored: plain bits, or bits below a digit of base 3 or 5.    [KDF], "Endpoint unquantization" of ASTC
+/// How end colours are stored: plain bits, or bits below a digit of base 3 or 5.    \[KDF], "Endpoint unquantization" of ASTC
 #[derive(Clone, Copy)]
 struct Range {
     bits: u32,
@@ -166,7 +166,7 @@ fn end_colors(bits: &mut Bits, mode: &Mode, subsets: usize) -> [[[u8; 4]; 2]; 3]
     ends
 }
 
-/// A stored number as 8 bits.    [KDF], table of "Endpoint unquantization" of ASTC
+/// A stored number as 8 bits.    \[KDF], table of "Endpoint unquantization" of ASTC
 fn unquantize(bits: u32, digit: u32, range: Range) -> u8 {
     let high = bits >> 1;
     let (spread, factor) = match (range.base, range.bits) {
@@ -201,7 +201,7 @@ fn interpolate(low: u8, high: u8, weight: u32) -> u8 {
     ((low * (64 - weight) + high * weight + 32) >> 14) as u8
 }
 
-/// The subset of each texel of a 4 × 4 block in pattern `seed` of ASTC.    [KDF], "Partition pattern generation" of ASTC
+/// The subset of each texel of a 4 × 4 block in pattern `seed` of ASTC.    \[KDF], "Partition pattern generation" of ASTC
 fn pattern(seed: u16, subsets: usize) -> [usize; 16] {
     let mut number = u32::from(seed) + (subsets as u32 - 1) * 1024;
     number ^= number >> 15;

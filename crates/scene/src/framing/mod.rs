@@ -1,6 +1,6 @@
 //! The camera for scenes that have none.
 //!
-//! Candidates are looked through at thumbnail size ([`view`]) and the first good one is taken: the three-quarter view of an object; else, where that
+//! Candidates are looked through at thumbnail size (`view`) and the first good one is taken: the three-quarter view of an object; else, where that
 //! shows the backs of surfaces (the walls of a room seen from outside), a side from which it does not, as of a stage; else a place inside.
 
 mod view;

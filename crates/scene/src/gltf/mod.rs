@@ -1,8 +1,8 @@
-//! glTF 2.0 import: `.gltf` with its files or embedded data, and `.glb`.    [glTF2]
+//! glTF 2.0 import: `.gltf` with its files or embedded data, and `.glb`.    \[glTF2]
 //!
-//! The file is read in layers: the container ([`glb`]), the JSON as it stands ([`json`]), bytes ([`resources`], [`meshopt`]), typed arrays
-//! ([`accessor`]), and from those the parts of a [`Scene`]. Whatever the bytes are, the answer is a scene or one sentence that says what is
-//! wrong where; what is left out of a scene is on its list of ignored things ([`notes`]).
+//! The file is read in layers: the container (`glb`), the JSON as it stands (`json`), bytes (`resources`, `meshopt`), typed arrays
+//! (`accessor`), and from those the parts of a [`Scene`]. Whatever the bytes are, the answer is a scene or one sentence that says what is
+//! wrong where; what is left out of a scene is on its list of ignored things (`notes`).
 
 mod accessor;
 mod animation;

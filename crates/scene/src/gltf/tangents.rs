@@ -1,4 +1,4 @@
-//! Tangents that a file leaves out, by MikkTSpace as glTF asks.    glTF 2.0, section 3.7.2.1; [Mikkelsen08]
+//! Tangents that a file leaves out, by MikkTSpace as glTF asks.    glTF 2.0, section 3.7.2.1; \[Mikkelsen08]
 
 use crate::Mesh;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};

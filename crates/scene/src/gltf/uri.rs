@@ -1,4 +1,4 @@
-//! URIs inside glTF files: relative references and embedded data.    [RFC3986], [RFC2397]
+//! URIs inside glTF files: relative references and embedded data.    \[RFC3986], \[RFC2397]
 
 use base64::Engine;
 use base64::alphabet::STANDARD;

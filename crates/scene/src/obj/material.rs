@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | `Kd`, `map_Kd` | base colour (linear factor, sRGB image) |
 //! | `Ks`, `map_Ks` | colour of the dielectric's reflection, relative: 0.5 is an ordinary dielectric (F0 = 0.04), as modelling tools write it |
-//! | `Ns` | roughness r: a Blinn-Phong lobe of exponent n is about as wide as GGX with α² = 2 / (n + 2), r = √α    [Walter07] 5.2 |
+//! | `Ns` | roughness r: a Blinn-Phong lobe of exponent n is about as wide as GGX with α² = 2 / (n + 2), r = √α    \[Walter07] 5.2 |
 //! | `Ni` | index of refraction, for transparent materials |
 //! | `d`, `Tr`, `map_d` | transmission where `illum` is 4, 6, 7 or 9 (glass), else coverage |
 //! | `Ke`, `map_Ke` | emitted radiance |

@@ -1,6 +1,6 @@
 //! Wavefront OBJ and MTL.
 //!
-//! Faces become triangles (polygons as fans), one mesh for each group and material. Faces without normals are flat. Materials follow [`material`];
+//! Faces become triangles (polygons as fans), one mesh for each group and material. Faces without normals are flat. Materials follow `material`;
 //! what they cannot say in glTF's terms is on [`Scene::ignored`].
 
 mod material;

@@ -50,7 +50,7 @@ const POLYNOMIAL_END: f64 = 1e-4;
 /// A guard: beyond, the printed Gaussian, which grows with the angle, leaves the range of f32.
 const LARGEST_EXPONENT: f64 = 80.0;
 
-/// tⁿ in Schlick's form: 1 division, 1 multiplication, 1 subtraction, 1 addition. `t` in [0, 1], `n` > 0.    [Schlick94gems]
+/// tⁿ in Schlick's form: 1 division, 1 multiplication, 1 subtraction, 1 addition. `t` in [0, 1], `n` > 0.    \[Schlick94gems]
 #[inline(always)]
 pub fn schlick<T: Real>(t: T, n: T) -> T {
     t / (n * (T::one() - t) + t)
@@ -79,7 +79,7 @@ enum Shape<T> {
 
 impl<T: Real> Highlight<T> {
     /// The function called `kind` for exponent `n` ≥ 0. `c` is the width of `trowbridge-reitz` and the steepness of `gaussian`, 1/rad; 0 chooses the `c`
-    /// with which the function is ½ at the angle where tⁿ is.    [Blinn77]
+    /// with which the function is ½ at the angle where tⁿ is.    \[Blinn77]
     pub fn new(kind: HighlightKind, n: f64, c: f64, form: Form) -> Self {
         // tⁿ = ½ at this cosine.
         let half = 0.5_f64.powf(1.0 / n);

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Smith's and Schlick's are products G(θ_i) G(θ_r) (3.2). The printed Smith has no e^h, which makes G lower by up to 0.14. Where roughness is elliptic, a
-//! direction of azimuth φ has m² = m_x² cos²φ + m_y² sin²φ.    [Heitz14]
+//! direction of azimuth φ has m² = m_x² cos²φ + m_y² sin²φ.    \[Heitz14]
 
 use crate::models::{Geometry, Real, V3};
 use kajo_params::ParamChoice;

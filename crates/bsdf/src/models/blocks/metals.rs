@@ -1,7 +1,7 @@
 //! Measured optical constants of common metals, and what red, green and blue make of them.
 //!
-//! Tables of wavelength (nm), η, κ over the visible range, evaporated films at room temperature: gold, silver, copper from [Johnson72], iron, chromium,
-//! nickel, titanium from [Johnson74], aluminium from [Rakic95]; digits as collected by [Polyanskiy24] (public domain). RGB takes the constants at the
+//! Tables of wavelength (nm), η, κ over the visible range, evaporated films at room temperature: gold, silver, copper from \[Johnson72], iron, chromium,
+//! nickel, titanium from \[Johnson74], aluminium from \[Rakic95]; digits as collected by \[Polyanskiy24] (public domain). RGB takes the constants at the
 //! dominant wavelengths of the sRGB primaries, 611.4, 549.1 and 464.2 nm, and is the three-wavelength renderer's answer, no colorimetry.
 
 use super::fresnel::normal_reflectance;

@@ -1,4 +1,4 @@
-//! The two densities with which [Falski04] sampled all models alike, and how a Phong exponent follows from a roughness.
+//! The two densities with which \[Falski04] sampled all models alike, and how a Phong exponent follows from a roughness.
 //!
 //! ```text
 //! p = cos θ/π                        diffuse        (5.1)

@@ -3,7 +3,7 @@
 use super::CosineLobe;
 use glam::{DMat3, DVec3};
 
-/// f = max(0, Θ_rᵀ M Θ_i)ⁿ.    [Lafortune97] eq. 6, [Falski04] (4.29)
+/// f = max(0, Θ_rᵀ M Θ_i)ⁿ.    \[Lafortune97] eq. 6, \[Falski04] (4.29)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MatrixLobe {
     /// M.
@@ -60,7 +60,7 @@ fn largest(m: DMat3) -> f64 {
     m.to_cols_array().into_iter().fold(0.0, |largest, x| f64::max(largest, x.abs()))
 }
 
-/// Eigenvectors and eigenvalues of a symmetric matrix by rotations that make one off-diagonal element vanish at a time.    [Jacobi1846]
+/// Eigenvectors and eigenvalues of a symmetric matrix by rotations that make one off-diagonal element vanish at a time.    \[Jacobi1846]
 fn jacobi(matrix: DMat3) -> Eigen {
     let (mut a, mut v) = (matrix, DMat3::IDENTITY);
     // Converges quadratically: six sweeps reach rounding, the rest are a guard.

@@ -1,4 +1,4 @@
-//! The ten materials that Ward measured with his gonioreflectometer.    [Ward92] table 1
+//! The ten materials that Ward measured with his gonioreflectometer.    \[Ward92] table 1
 
 use super::Params;
 use kajo_params::ParamChoice;

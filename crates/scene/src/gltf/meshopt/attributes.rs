@@ -1,4 +1,4 @@
-//! Mode 0: arrays of elements, stored as byte-wise deltas between neighbours in groups of 16.    [EXT_meshopt], appendix A
+//! Mode 0: arrays of elements, stored as byte-wise deltas between neighbours in groups of 16.    \[EXT_meshopt], appendix A
 
 use super::Malformed;
 use super::reader::Reader;

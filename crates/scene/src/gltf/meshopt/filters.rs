@@ -1,4 +1,4 @@
-//! Filters of decoded attributes.    [EXT_meshopt], appendix B
+//! Filters of decoded attributes.    \[EXT_meshopt], appendix B
 //!
 //! Values whose result the specification leaves open (a "one" of 0, exponents beyond ±100) give some value, never a panic.
 
@@ -54,7 +54,7 @@ fn snorm16(value: f32) -> i16 {
     (value * 32767.0).round() as i16
 }
 
-/// The unit vector at (x, y) / one of the octahedral map; the lower half is folded outwards.    [Cigolle14] section 3
+/// The unit vector at (x, y) / one of the octahedral map; the lower half is folded outwards.    \[Cigolle14] section 3
 fn octahedral(x: f32, y: f32, one: f32) -> [f32; 3] {
     let (x, y) = (x / one, y / one);
     let z = 1.0 - x.abs() - y.abs();

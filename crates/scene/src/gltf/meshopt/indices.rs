@@ -1,5 +1,5 @@
 //! Modes 1 and 2: triangle lists, coded by the edges and vertices they share with recent triangles, and plain index sequences, coded as
-//! deltas.    [EXT_meshopt], appendix A
+//! deltas.    \[EXT_meshopt], appendix A
 
 use super::Malformed;
 use super::reader::Reader;

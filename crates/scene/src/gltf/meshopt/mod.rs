@@ -1,4 +1,4 @@
-//! EXT_meshopt_compression: buffer views that hold compressed vertex attributes or indices.    [EXT_meshopt], appendices A and B
+//! EXT_meshopt_compression: buffer views that hold compressed vertex attributes or indices.    \[EXT_meshopt], appendices A and B
 //!
 //! Each mode is its own bit stream ([`attributes`], [`indices`]); filters change decoded attributes in place ([`filters`]). Every decoder
 //! accepts any bytes: it answers with the elements or with what is wrong, and allocates no more than the stream can describe.

@@ -1,5 +1,6 @@
 //! Whole frames, against the path tracer and against closed forms.
 
+mod display;
 mod gbuffer;
 mod lighting;
 mod models;

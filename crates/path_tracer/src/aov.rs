@@ -39,9 +39,10 @@ pub enum Aov {
     ///
     /// ```text
     /// (1/A) ∫_A V(x, y) dA_y     (directional and sphere lights: the mean over the solid angle they fill as seen from x)
+    /// ∫_F w V(x, y) dA_y / ∫_F w dA_y      (emissive meshes; F: the triangles that face x, w: the mean luminance each emits)
     /// ```
     ///
-    /// Purely geometric: no cosine of the receiver, no falloff, no sidedness of the light, no cone of a spot. V = 0 where the
+    /// Other parts of an emissive mesh block it as any surface does; where none of it faces x, V = 1: it lights nothing there. Purely geometric: no cosine of the receiver, no falloff, no sidedness of the light, no cone of a spot. V = 0 where the
     /// segment leaves below the geometric surface that the viewer sees: the surface blocks it itself. Masked and blended
     /// surfaces count with their coverage, transmissive ones block. Pixels without a hit are 1, and 0 in [`Aov::Coverage`].
     Visibility(String),

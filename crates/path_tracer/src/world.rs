@@ -1,7 +1,7 @@
 //! The scene as rays see it: the two-level hierarchy, placed meshes, and materials ready for lookup.
 
 use crate::PathTracerError;
-use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec4};
+use glam::{Affine3A, Mat3A, Vec3};
 use kajo_bsdf::{AnyBsdf, Bsdf};
 use kajo_bvh::{Blas, BuildOptions, BvhInstance, Filter, Hit, PrimitiveRef, Ray, Tlas};
 use kajo_sampling::{hash_u64, unit_f32};
@@ -198,11 +198,7 @@ pub(crate) fn interpolate<T: Copy + std::ops::Mul<f32, Output = T> + std::ops::A
 impl Placed {
     /// Texture coordinates and colour at a point of a triangle.
     pub(crate) fn uv_at(&self, primitive: u32, u: f32, v: f32) -> SurfaceUv {
-        let indices = self.mesh.indices[primitive as usize];
-        let weights = [1.0 - u - v, u, v];
-        let uv = |set: &Vec<Vec2>| if set.is_empty() { Vec2::ZERO } else { interpolate(set, indices, weights) };
-        let color = if self.mesh.colors.is_empty() { Vec4::ONE } else { interpolate(&self.mesh.colors, indices, weights) };
-        SurfaceUv { uvs: [uv(&self.mesh.uvs[0]), uv(&self.mesh.uvs[1])], color }
+        self.mesh.uv_at(primitive, u, v)
     }
 
     /// Object-space corners of a triangle.

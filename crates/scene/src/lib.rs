@@ -6,6 +6,7 @@
 
 pub mod builtin;
 mod decode;
+mod emissive;
 mod environment_file;
 mod environment_lookup;
 mod error;
@@ -27,6 +28,7 @@ mod test_assets;
 mod texture_lookup;
 
 pub use decode::decode_texture;
+pub use emissive::EmissiveMesh;
 pub use environment_file::{LoadedEnvironment, decode_environment, load_environment};
 pub use error::SceneError;
 pub use gltf::load_gltf;

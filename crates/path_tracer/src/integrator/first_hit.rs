@@ -113,7 +113,7 @@ impl Context<'_> {
         }
         let t_max = target.distance * super::path::BEFORE_LIGHT;
         let ray = Ray { t_max, ..open_ray(origin, target.direction) };
-        if self.world.occluded(&ray, target.primitive, chance.next()) { 0.0 } else { target.weight }
+        if self.world.occluded(&ray, target.primitive, chance.next()) { 0.0 } else { 1.0 }
     }
 
     /// One sample of the irradiance by light that bounced at least once before it arrives.

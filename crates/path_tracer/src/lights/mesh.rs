@@ -5,10 +5,10 @@ use super::area::towards_area;
 use crate::world::World;
 use glam::{Vec2, Vec3};
 use kajo_bvh::PrimitiveRef;
-use kajo_sampling::AliasTable;
 use kajo_sampling::warp::{SphericalTriangle, triangle_barycentrics};
+use kajo_sampling::{AliasTable, Rng};
+use kajo_scene::EmissiveMesh;
 use kajo_units::LinearRgb;
-use std::f32::consts::PI;
 
 /// One instance whose material emits.
 #[derive(Clone, Debug)]
@@ -16,56 +16,39 @@ pub(crate) struct MeshLight {
     instance: u32,
     /// Chooses among the triangles.
     triangles: AliasTable,
+    /// For each triangle the share of its choices that makes the rest go by emission; empty where they do already.
+    keep: Vec<f32>,
     /// Emission where it has no texture.
     constant: Option<LinearRgb>,
     double_sided: bool,
     power: f32,
-    area: f32,
 }
 
 /// Solid angle, sr, from which on a triangle is sampled by solid angle; smaller ones are so far that the area does as well for less.
 const BY_SOLID_ANGLE: f32 = 1e-4;
 
-/// Share of choices by area alone: a textured triangle that looks black where it was probed may still emit.
-const BY_AREA: f32 = 0.1;
+/// Height over a triangle, in units of the greatest coordinate around, up to which a point counts as lying in its plane: twice what
+/// renderers move the origins of rays by.
+const IN_PLANE: f32 = 1.0 / 32768.0;
 
-/// Points of a triangle at which a textured emission is probed.
-const PROBES: [[f32; 2]; 7] = [[1. / 3., 1. / 3.], [0.1, 0.1], [0.8, 0.1], [0.1, 0.8], [0.45, 0.45], [0.1, 0.45], [0.45, 0.1]];
+/// Points tried before no part of a mesh counts as facing a point.
+const TRIES: u32 = 32;
 
 impl MeshLight {
-    /// `None` for an instance without area or emission.
-    pub(crate) fn new(world: &World, instance: u32) -> Option<Self> {
-        let placed = &world.instances[instance as usize];
-        let info = &world.materials[placed.material as usize];
-        let material = &world.scene.materials[placed.material as usize];
-        let constant = info.constant.filter(|_| placed.mesh.colors.is_empty()).map(|m| m.emission);
-        let emission = |triangle: u32| match constant {
-            Some(emission) => emission.luminance(),
-            None => {
-                let probe = |[u, v]: [f32; 2]| material.emission_at(&world.scene, &placed.uv_at(triangle, u, v)).luminance();
-                PROBES.into_iter().map(probe).sum::<f32>() / PROBES.len() as f32
-            }
-        };
-        let count = placed.mesh.indices.len() as u32;
-        let areas: Vec<f32> = (0..count).map(|triangle| area_of(placed.world_triangle(triangle))).collect();
-        let powers: Vec<f32> = areas.iter().zip(0..).map(|(area, triangle)| area * emission(triangle)).collect();
-        let (area, power) = (areas.iter().sum::<f32>(), powers.iter().sum::<f32>());
-        if area.is_nan() || area <= 0.0 {
-            return None;
+    pub(crate) fn new(mesh: &EmissiveMesh) -> Self {
+        let keep = |(share, choice): (&f32, &f32)| if *choice > 0.0 { share / choice } else { 0.0 };
+        let mut keep: Vec<f32> =
+            if mesh.chooses_by_area() { mesh.shares.iter().zip(&mesh.choices).map(keep).collect() } else { Vec::new() };
+        let most = keep.iter().copied().fold(0.0, f32::max);
+        keep.iter_mut().for_each(|keep| *keep /= most);
+        Self {
+            instance: mesh.instance as u32,
+            triangles: AliasTable::new(&mesh.choices).expect("a mesh with area has triangles"),
+            keep,
+            constant: mesh.constant,
+            double_sided: mesh.double_sided,
+            power: mesh.power(),
         }
-        let share = |value: f32, total: f32| if total > 0.0 { value / total } else { 0.0 };
-        let by_area = if constant.is_some() { 0.0 } else { BY_AREA };
-        let weights: Vec<f32> =
-            areas.iter().zip(&powers).map(|(&a, &p)| (1.0 - by_area) * share(p, power) + by_area * share(a, area)).collect();
-        let sides = if material.double_sided { 2.0 } else { 1.0 };
-        Some(Self {
-            instance,
-            triangles: AliasTable::new(&weights)?,
-            constant,
-            double_sided: material.double_sided,
-            power: PI * power * sides,
-            area,
-        })
     }
 
     /// Emitted flux, W; estimated for textures.
@@ -112,13 +95,29 @@ impl MeshLight {
         self.triangles.pmf(primitive as usize) * pdf
     }
 
-    /// A point of the mesh and the weight that makes its mean one over the area.
-    pub(crate) fn point_of_visibility(&self, world: &World, choice: f32, u: Vec2) -> (Vec3, PrimitiveRef, f32) {
-        let (triangle, pmf, _) = self.triangles.sample(choice);
-        let [a, b, c] = world.instances[self.instance as usize].world_triangle(triangle as u32);
-        let w = triangle_barycentrics(u);
-        let weight = area_of([a, b, c]) / (self.area * pmf);
-        (a * w.x + b * w.y + c * w.z, PrimitiveRef { instance: self.instance, primitive: triangle as u32 }, weight)
+    /// A point of the part that faces `from`, chosen by emission: the measure of `visibility.<light>`. `None` where nothing was found to
+    /// face it. `choice` and `u` decide the first try; what they leave is seed of the others.
+    pub(crate) fn point_of_visibility(&self, world: &World, from: Vec3, choice: f32, u: Vec2) -> Option<(Vec3, PrimitiveRef)> {
+        let mut random = Rng::new(u64::from(choice.to_bits()) << 32 ^ u64::from(u.x.to_bits()) ^ u64::from(u.y.to_bits()) << 16);
+        let (mut choice, mut u) = (choice, u);
+        for _ in 0..TRIES {
+            let (triangle, _, rest) = self.triangles.sample(choice);
+            let corners = world.instances[self.instance as usize].world_triangle(triangle as u32);
+            if self.keep.get(triangle).is_none_or(|&keep| rest < keep) && self.faces(world, corners, from) {
+                let [a, b, c] = corners;
+                let w = triangle_barycentrics(u);
+                return Some((a * w.x + b * w.y + c * w.z, PrimitiveRef { instance: self.instance, primitive: triangle as u32 }));
+            }
+            (choice, u) = (random.next_1d(), random.next_2d());
+        }
+        None
+    }
+
+    /// Whether a triangle emits towards a point that does not lie in its plane.
+    fn faces(&self, world: &World, corners: [Vec3; 3], from: Vec3) -> bool {
+        let height = |normal: Vec3| (from - corners[0]).dot(normal);
+        let reach = from.abs().max(corners[0].abs()).max_element();
+        self.facing_normal(world, corners, from).is_some_and(|normal| height(normal) > IN_PLANE * reach)
     }
 
     /// Unit normal of the triangle towards `from`; `None` from the side that does not emit.

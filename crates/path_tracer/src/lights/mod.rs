@@ -66,8 +66,6 @@ pub(crate) struct Target {
     pub distance: f32,
     /// The emissive triangle, which must not shadow itself.
     pub primitive: Option<PrimitiveRef>,
-    /// Makes the mean over targets that of the image's measure.
-    pub weight: f32,
 }
 
 #[derive(Clone, Debug)]
@@ -121,21 +119,14 @@ impl Lights {
             can_be_met: false,
             only_met: false,
         };
-        for (index, placed) in world.snapshot.lights.iter().enumerate() {
-            let name = if placed.light.name.is_empty() { format!("light {index}") } else { placed.light.name.clone() };
-            lights.push(name, analytic(placed));
+        let emissive = world.snapshot.emissive_meshes(scene);
+        let names = world.snapshot.light_names(scene, &emissive);
+        let meshes = emissive.iter().map(|mesh| Emitter::Mesh(MeshLight::new(mesh)));
+        for (name, emitter) in names.into_iter().zip(world.snapshot.lights.iter().map(analytic).chain(meshes)) {
+            lights.push(name, emitter);
         }
-        for (index, placed) in world.instances.iter().enumerate() {
-            let material = &scene.materials[placed.material as usize];
-            if !material.unlit
-                && material.is_emissive()
-                && let Some(light) = MeshLight::new(world, index as u32)
-            {
-                let node = &scene.nodes[world.snapshot.instances[index].node];
-                let name = [&node.name, &placed.mesh.name].into_iter().find(|n| !n.is_empty()).cloned();
-                lights.light_of_instance[index] = lights.emitters.len() as u32;
-                lights.push(name.unwrap_or_else(|| format!("mesh {index}")), Emitter::Mesh(light));
-            }
+        for (index, mesh) in emissive.iter().enumerate() {
+            lights.light_of_instance[mesh.instance] = (lights.analytic + index) as u32;
         }
         if let Some(environment) = &scene.environment {
             let table = environment.importance().and_then(|grid| {
@@ -288,22 +279,23 @@ impl Lights {
         Some(self.light_of_instance[instance as usize]).filter(|&light| light != NO_LIGHT)
     }
 
-    /// Where to look from `from` to see whether it sees the light; `None` for the environment and from inside of a sphere.
+    /// Where to look from `from` to see whether it sees the light; `None` for the environment, from inside of a sphere, and where no part
+    /// of a mesh faces it.
     pub(crate) fn point_of_visibility(&self, world: &World, light: u32, from: Vec3, choice: f32, u: Vec2) -> Option<Target> {
-        let (point, primitive, weight) = match &self.emitters[light as usize] {
-            Emitter::Point(point) => (point.position, None, 1.0),
+        let (point, primitive) = match &self.emitters[light as usize] {
+            Emitter::Point(point) => (point.position, None),
             Emitter::Directional(directional) => {
-                return Some(Target { direction: directional.sample(u).wi, distance: f32::INFINITY, primitive: None, weight: 1.0 });
+                return Some(Target { direction: directional.sample(u).wi, distance: f32::INFINITY, primitive: None });
             }
-            Emitter::Area(area) => (area.point_of_visibility(from, u)?, None, 1.0),
+            Emitter::Area(area) => (area.point_of_visibility(from, u)?, None),
             Emitter::Mesh(mesh) => {
-                let (point, primitive, weight) = mesh.point_of_visibility(world, choice, u);
-                (point, Some(primitive), weight)
+                let (point, primitive) = mesh.point_of_visibility(world, from, choice, u)?;
+                (point, Some(primitive))
             }
             Emitter::Environment(_) | Emitter::Unlit => return None,
         };
         let distance = point.distance(from);
-        Some(Target { direction: (point - from) / distance, distance, primitive, weight })
+        Some(Target { direction: (point - from) / distance, distance, primitive })
     }
 
     /// True for lights that `visibility.<light>` is defined for.

@@ -1,9 +1,9 @@
 //! Shadows and ambient occlusion against geometry.
 
-use super::scenes::{Stage, at, downwards, floor, lambert, looking, mean, render_at, sized};
+use super::scenes::{Stage, at, downwards, floor, glowing, lambert, looking, mean, render_at, sized};
 use crate::{Aov, Filter, Frame, Integrator, Settings};
 use glam::{Quat, UVec2, Vec3};
-use kajo_scene::{LightShape, Mesh, Scene, shapes};
+use kajo_scene::{LightShape, Material, Mesh, Scene, Transform, shapes};
 use kajo_units::{Meters, Radians};
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -117,6 +117,94 @@ fn visibility_is_geometric_and_one_without_a_hit() {
         assert_eq!((at(LIGHT, 13), at("coverage", 13)), (0.0, 1.0), "{shape:?}: under the roof");
         assert_eq!((at(LIGHT, 18), at("coverage", 18)), (1.0, 1.0), "{shape:?}: in the open");
     }
+}
+
+const MESH: &str = "visibility.rectangle";
+
+/// Turned so that a rectangle, which faces +z, faces down.
+fn facing_down(translation: Vec3) -> Transform {
+    Transform::Trs { translation, rotation: Quat::from_rotation_x(FRAC_PI_2), scale: Vec3::ONE }
+}
+
+/// The penumbra of a glowing rectangle is that of the analytic light in its place.
+#[test]
+fn visibility_of_a_glowing_rectangle_is_that_of_the_analytic_one() {
+    let (size, place) = (UVec2::new(128, 1), Vec3::Y * 3.0);
+    let light = LightShape::Rectangle { width: Meters(0.5), height: Meters(0.7) };
+    let mesh = edge(1.0).mesh(shapes::rectangle(0.5, 0.7), glowing(1.0, 0.0), facing_down(place)).0;
+    let analytic = edge(1.0).light(light, 1.0, downwards(place)).0;
+    let (a, b) = (visibility(&mesh, size, 1024), visibility(&analytic, size, 1024));
+    let at = |frame: &Frame, name: &str, x| frame.image(name).unwrap().pixels.get(x, 0).x;
+    let worst = (0..size.x).map(|x| (at(&a, MESH, x) - at(&b, LIGHT, x)).abs()).fold(0.0, f32::max);
+    assert!(worst < 5.0 * 0.5 / 1024f32.sqrt(), "{worst}");
+    let shifted = (1..size.x).map(|x| (at(&a, MESH, x) - at(&b, LIGHT, x - 1)).abs()).fold(0.0, f32::max);
+    assert!(shifted > 1.3 * worst && shifted > 0.05, "one pixel off is noticed: {shifted} against {worst}");
+}
+
+/// Only what faces a point counts: a closed lamp is seen wholly, its far side is no shadow; from behind a lamp that shines on one side
+/// there is nothing to block; a lamp that shines on both is seen from there too. Half of it behind a wall is half.
+#[test]
+fn visibility_of_an_emissive_mesh_is_over_the_part_that_faces_the_point() {
+    let ball = || shapes::sphere(0.3, 128);
+    let both = Material { double_sided: true, ..glowing(1.0, 0.0) };
+    let up = || looking(Vec3::Y * 2.0, Vec3::ZERO);
+    let seen = |mesh: Mesh, material: Material, transform, wall: bool| {
+        let stage = Stage::default().mesh(floor(), lambert(0.5), at(Vec3::ZERO)).mesh(mesh, material, transform);
+        let mut roof = shapes::rectangle(20.0, 20.0).moved(Quat::from_rotation_x(-FRAC_PI_2), Vec3::ZERO);
+        roof.positions.iter_mut().for_each(|p| p.x -= 10.0);
+        let stage = if wall { stage.mesh(roof, lambert(0.5), at(Vec3::Y)) } else { stage };
+        let frame = visibility(&stage.orthographic(Vec3::Y * 0.5, Vec3::ZERO, 1e-3).0, UVec2::new(4, 4), 256);
+        let name = frame.images.iter().map(|image| image.name.clone()).find(|name| name.starts_with("visibility.")).unwrap();
+        let image = &frame.image(&name).unwrap().pixels;
+        (0..16).map(|i| image.get(i % 4, i / 4).x).sum::<f32>() / 16.0
+    };
+    let rectangle = || shapes::rectangle(1.0, 0.6);
+    assert_eq!(seen(ball(), glowing(1.0, 0.0), at(Vec3::Y * 2.0), false), 1.0);
+    let half = seen(ball(), glowing(1.0, 0.0), at(Vec3::Y * 2.0), true);
+    assert!((half - 0.5).abs() < 0.02, "{half}");
+    for wall in [false, true] {
+        assert_eq!(seen(rectangle(), glowing(1.0, 0.0), up(), wall), 1.0, "from behind there is no shadow");
+    }
+    let half = seen(rectangle(), both.clone(), up(), true);
+    assert!((half - 0.5).abs() < 0.02, "{half}");
+    // A ball that shines inwards too hides all but the cap that the point sees, (1 − r/d) / 2 of it.
+    let closed = seen(ball(), both, at(Vec3::Y * 2.0), false);
+    assert!((closed - 0.5 * (1.0 - 0.3 / 2.0)).abs() < 0.02, "{closed}");
+}
+
+/// Weighed with what each part emits: black triangles behind the wall do not count.
+#[test]
+fn dark_parts_of_an_emissive_mesh_do_not_count() {
+    use kajo_scene::{ColorSpace, Filter as Texels, Texture, TextureImage, TextureRef};
+    let mut left = shapes::rectangle(1.0, 0.6);
+    left.positions.iter_mut().for_each(|p| p.x -= 0.5);
+    let first = left.positions.len() as u32;
+    left.uvs[0] = vec![glam::Vec2::new(0.25, 0.5); left.positions.len()];
+    let right = left.positions.iter().map(|p| *p + Vec3::X).collect::<Vec<_>>();
+    left.positions.extend(right);
+    left.normals.extend(left.normals.clone());
+    left.uvs[0].extend(vec![glam::Vec2::new(0.75, 0.5); first as usize]);
+    left.indices.extend(left.indices.iter().map(|t| t.map(|i| i + first)).collect::<Vec<_>>());
+    let seen = |dark: usize| {
+        let texture = TextureRef { texture: 0, uv_set: 0, transform: glam::Affine2::IDENTITY };
+        let material = Material { emission_texture: Some(texture), ..glowing(1.0, 0.0) };
+        let mut roof = shapes::rectangle(20.0, 20.0).moved(Quat::from_rotation_x(-FRAC_PI_2), Vec3::ZERO);
+        roof.positions.iter_mut().for_each(|p| p.x -= 10.0);
+        let mut scene = Stage::default()
+            .mesh(floor(), lambert(0.5), at(Vec3::ZERO))
+            .mesh(left.clone(), material, facing_down(Vec3::Y * 2.0))
+            .mesh(roof, lambert(0.5), at(Vec3::Y))
+            .orthographic(Vec3::Y * 0.5, Vec3::ZERO, 1e-3)
+            .0;
+        let mut texels = vec![[255u8; 4]; 2];
+        texels[dark] = [0, 0, 0, 255];
+        let texels = kajo_scene::Texels::Rgba8(texels);
+        scene.images.push(std::sync::Arc::new(TextureImage { name: String::new(), width: 2, height: 1, texels }));
+        scene.textures.push(Texture { image: 0, wrap: Default::default(), filter: Texels::Nearest, color_space: ColorSpace::Linear });
+        visibility(&scene, UVec2::new(2, 2), 64).image(MESH).unwrap().pixels.get(1, 1).x
+    };
+    // The wall hides x < 0, where the texture is dark or not.
+    assert_eq!((seen(0), seen(1)), (1.0, 0.0));
 }
 
 /// Row L-14: the open plane, and a wall at distance d with a longest ray r, a = d / r.

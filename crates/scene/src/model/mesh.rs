@@ -1,5 +1,6 @@
 //! Triangle meshes.
 
+use crate::SurfaceUv;
 use glam::{Vec2, Vec3, Vec4};
 
 /// An indexed triangle mesh with one material, in its own object space.
@@ -47,6 +48,17 @@ impl Mesh {
             }
         }
         self.faceted = true;
+    }
+
+    /// Texture coordinates and colour at the barycentric weights `1 − u − v, u, v` of a triangle.
+    #[inline]
+    pub fn uv_at(&self, triangle: u32, u: f32, v: f32) -> SurfaceUv {
+        let [i, j, k] = self.indices[triangle as usize].map(|i| i as usize);
+        let w = 1.0 - u - v;
+        let uv = |set: &Vec<Vec2>| if set.is_empty() { Vec2::ZERO } else { set[i] * w + set[j] * u + set[k] * v };
+        let colors = &self.colors;
+        let color = if colors.is_empty() { Vec4::ONE } else { colors[i] * w + colors[j] * u + colors[k] * v };
+        SurfaceUv { uvs: [uv(&self.uvs[0]), uv(&self.uvs[1])], color }
     }
 
     /// The same mesh with other vertices: vertex i of the result is vertex `sources[i]`. The indices are left out, since they name the old

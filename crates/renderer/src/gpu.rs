@@ -129,20 +129,12 @@ impl GpuMaterial {
     pub const DOUBLE_SIDED: u32 = 2;
 }
 
-/// Twin of `shader_lib::light::Light`.
+/// Twin of `lights::LightTriangle`.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable, ShaderLayout)]
-pub(crate) struct GpuLight {
-    pub position: [f32; 3],
-    pub kind: u32,
-    pub emission: [f32; 3],
-    pub size: f32,
-    pub half_x: [f32; 3],
-    pub cos_inner: f32,
-    pub half_y: [f32; 3],
-    pub cos_outer: f32,
-    pub direction: [f32; 3],
-    pub _pad: f32,
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ShaderLayout)]
+pub(crate) struct GpuLightTriangle {
+    pub end: u32,
+    pub keep: f32,
 }
 
 /// Twin of `trace::BvhInfo`.
@@ -165,10 +157,10 @@ mod tests {
         import package::frame::frame;
         import package::scene::{instances, attributes};
         import package::material::materials;
-        import package::lights::lights;
+        import package::lights::{lights, light_triangles};
         @group(1) @binding(0) var<storage, read_write> out: array<f32>;
         @compute @workgroup_size(1) fn main() {
-            out[0] = frame.near + f32(instances[0].material) + attributes[0].u0 + materials[0].ior + lights[0].size;
+            out[0] = frame.near + f32(instances[0].material) + attributes[0].u0 + materials[0].ior + lights[0].size + light_triangles[0].keep;
         }";
 
     #[test]
@@ -179,6 +171,6 @@ mod tests {
         linked.check_layout::<GpuAttributes>("Attributes").unwrap();
         linked.check_layout::<GpuMaterial>("Material").unwrap();
         linked.check_layout::<GpuTextureRef>("TextureRef").unwrap();
-        linked.check_layout::<GpuLight>("Light").unwrap();
+        linked.check_layout::<GpuLightTriangle>("LightTriangle").unwrap();
     }
 }

@@ -14,9 +14,6 @@ pub(crate) fn find(scene: &Scene, snapshot: &Snapshot, camera: usize, direct_ble
             continue;
         }
         let place = || format!("material {index} \"{}\"", material.name);
-        if material.is_emissive() && !material.unlit {
-            say(place(), "emission as a light", "real-time: emissive surfaces are seen but do not light the scene");
-        }
         if transmits(material) {
             say(place(), "KHR_materials_transmission", "real-time: light does not pass the surface, what lies behind is not seen");
         }
@@ -27,7 +24,11 @@ pub(crate) fn find(scene: &Scene, snapshot: &Snapshot, camera: usize, direct_ble
         }
     }
     if scene.environment.is_some() {
-        say(String::new(), "environment as a light", "real-time: the environment is seen but does not light the scene");
+        say(
+            String::new(),
+            "environment as a light",
+            "real-time: the environment is seen and lights nothing; that is for the roles ambient-visibility, diffuse-indirect and specular-indirect",
+        );
     }
     let placed = &snapshot.cameras[camera].camera;
     if placed.lens_radius.0 > 0.0 {

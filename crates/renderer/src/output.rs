@@ -15,7 +15,7 @@ pub struct FrameOutput {
     pub display: Image<Srgb8>,
     /// Light reflected straight from lights, W/(m² sr).
     pub direct: Image<LinearRgb>,
-    /// Role direct visibility: one image for each light of the snapshot, in its order.
+    /// Role direct visibility: one image for each light that is [watched](crate::Renderer::watch), in the order of the lights.
     pub visibility: Vec<Image<f32>>,
     /// The G-buffer, when it was asked for.
     pub gbuffer: Option<GBufferImages>,

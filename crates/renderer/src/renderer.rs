@@ -1,15 +1,16 @@
 //! A scene on the device, and its frames.
 
-use crate::gpu::{GpuFrame, GpuLight};
+use crate::gpu::GpuFrame;
 use crate::output::FrameOutput;
 use crate::passes::{
     Setup, background::Background, direct::Direct, forward::Forward, gbuffer::GBuffer, gbuffer::TARGETS, picture::Picture,
 };
 use crate::settings::{Choice, FrameSettings, RendererSettings, RoleSelection};
 use crate::upload::geometry::Geometry;
+use crate::upload::lights::Lights;
+use crate::upload::materials;
 use crate::upload::textures::Textures;
 use crate::upload::trace::TraceScene;
-use crate::upload::{lights, materials};
 use crate::{Error, ignored, read};
 use glam::{Mat4, Vec3};
 use kajo_bsdf::models::ModelEntry;
@@ -36,7 +37,9 @@ pub struct Renderer {
     geometry: Geometry,
     textures: Textures,
     materials: Buffer,
-    lights: Buffer,
+    lights: Lights,
+    /// Lights whose visibility is read back.
+    watched: Vec<usize>,
     bsdf_tables: Buffer,
     frame: Buffer,
     trace: TraceScene,
@@ -97,7 +100,8 @@ impl Renderer {
         let models = models_of(scene);
         let setup = Setup { device, variant: Variant { backend, bindless, models: &models }, textures: textures.count() };
         let blendable = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
-        let count = snapshot.lights.len().max(1);
+        let lights = Lights::new(device, scene, snapshot, None)?;
+        let count = lights.list.len().max(1);
         let layer = u64::from(settings.size.x) * u64::from(settings.size.y) * 4;
         let layers = (settings.light_memory / layer).clamp(1, count.min(64) as u64) as u32;
         let out = Self {
@@ -106,7 +110,8 @@ impl Renderer {
             models: models.clone(),
             bounds: bounds(snapshot),
             materials: device.buffer_with("materials", &materials::pack_all(scene), BufferUsages::STORAGE)?,
-            lights: device.buffer("lights", (count * size_of::<GpuLight>()) as u64, BufferUsages::STORAGE | BufferUsages::COPY_DST)?,
+            watched: (0..lights.list.len()).collect(),
+            lights,
             bsdf_tables: device.buffer_with(BSDF_TABLES, &kajo_shader_lib::bsdf_tables(), BufferUsages::STORAGE)?,
             frame: device.buffer("frame", size_of::<GpuFrame>() as u64, BufferUsages::UNIFORM | BufferUsages::COPY_DST)?,
             gbuffer: GBuffer::new(setup)?,
@@ -141,6 +146,10 @@ impl Renderer {
             self.geometry = Geometry::new(&self.device, current, previous, &self.scene)?;
         }
         self.trace = TraceScene::new(&self.device, self.backend, current, &self.geometry, Some(&self.trace))?;
+        let all = self.watched.len() == self.lights.list.len();
+        self.lights = Lights::new(&self.device, &self.scene, current, Some(&self.lights))?;
+        let count = self.lights.list.len();
+        self.watched = if all { (0..count).collect() } else { self.watched.iter().copied().filter(|&light| light < count).collect() };
         self.bounds = bounds(current);
         self.current = current.clone();
         self.previous = previous.clone();
@@ -151,6 +160,17 @@ impl Renderer {
     /// What this renderer does not simulate in this scene.
     pub fn ignored(&self) -> Vec<Ignored> {
         ignored::find(&self.scene, &self.current, self.settings.camera, self.forward.is_some())
+    }
+
+    /// Names of the lights, as the path tracer has them: analytic ones, then emissive meshes, each in the snapshot's order.
+    pub fn light_names(&self) -> &[String] {
+        &self.lights.names
+    }
+
+    /// Reads back the visibility of these lights only, by index, in ascending order; at first it is every light.
+    pub fn watch(&mut self, lights: &[usize]) {
+        self.watched = lights.iter().copied().filter(|&light| light < self.lights.list.len()).collect();
+        self.watched.sort_unstable();
     }
 
     /// Who traces rays.
@@ -199,8 +219,8 @@ impl Renderer {
         timings.merge(&graph.execute(&device, &mut pool)?);
 
         let group = pool.lights() as usize;
-        for start in (0..self.current.lights.len()).step_by(group) {
-            let count = group.min(self.current.lights.len() - start);
+        for start in (0..self.lights.list.len()).step_by(group) {
+            let count = group.min(self.lights.list.len() - start);
             let frame = FrameContext { device: &shadow.device, ..self.context(view, settings, start, count) };
             shadow.effect.prepare(&frame)?;
             self.direct.prepare(&frame);
@@ -210,8 +230,8 @@ impl Renderer {
             written = graph.written_by(shadow.choice.technique.id);
             self.direct.record(&frame, &mut graph);
             timings.merge(&graph.execute(&device, &mut pool)?);
-            for layer in 0..count as u32 {
-                visibility.push(read::scalar(&device, &pool, slot::SHADOW_VISIBILITY, layer)?);
+            for light in self.watched.iter().filter(|light| (start..start + count).contains(light)) {
+                visibility.push(read::scalar(&device, &pool, slot::SHADOW_VISIBILITY, (light - start) as u32)?);
             }
         }
 
@@ -248,7 +268,7 @@ impl Renderer {
             memory_bytes: device.memory_bytes(),
             technique_bytes: vec![shadow.bytes(&written, &pool), tone.bytes(&displayed, &pool)],
             rays: shadow.effect.rays(&device)? - rays_before,
-            shaded_pixels: if self.current.lights.is_empty() { 0 } else { self.direct.shaded(&device)? },
+            shaded_pixels: if self.lights.list.is_empty() { 0 } else { self.direct.shaded(&device)? },
             ignored: self.ignored(),
         };
         self.pool = pool;
@@ -292,7 +312,7 @@ impl Renderer {
             camera_position: view.position.to_array(),
             index: settings.index,
             previous_camera_position: previous.position.to_array(),
-            light_count: self.current.lights.len() as u32,
+            light_count: self.lights.list.len() as u32,
             forward: view.relative_from_view.transform_vector3(Vec3::NEG_Z).to_array(),
             near: view.near,
             jitter: settings.jitter.to_array(),
@@ -305,8 +325,7 @@ impl Renderer {
         };
         self.frame.write(&device.queue, bytemuck::bytes_of(&frame));
         self.geometry.place(device, &self.scene, &self.current, &self.previous, view.position, previous.position);
-        let lights: Vec<GpuLight> = self.current.lights.iter().map(|light| lights::pack(light, view.position)).collect();
-        self.lights.write(&device.queue, bytemuck::cast_slice(&lights));
+        self.lights.place(device, view.position);
     }
 
     /// What techniques are given for the lights `start..start + count`.
@@ -318,19 +337,18 @@ impl Renderer {
             .with("attributes", &self.geometry.attributes)
             .with("indices", &self.geometry.indices)
             .with("materials", &self.materials)
-            .with("lights", &self.lights)
             .with(BSDF_TABLES, &self.bsdf_tables);
         FrameContext {
             device: &self.device,
             view: *view,
             index: settings.index,
-            lights: &self.current.lights[start..start + count],
+            lights: &self.lights.list[start..start + count],
             first_light: start as u32,
             draws: &self.geometry.draws,
             indices: &self.geometry.indices.wgpu,
             bounds: self.bounds,
             exposure: settings.exposure.or(self.scene.exposure).unwrap_or(0.0),
-            shared: self.trace.bind(self.textures.bind(shared)),
+            shared: self.trace.bind(self.textures.bind(self.lights.bind(shared))),
         }
     }
 

@@ -1,4 +1,4 @@
-//! Analytic lights as shaders read them, and the twin of `shader_lib::light`.
+//! Lights as shaders read them, and the twin of `shader_lib::light`.
 
 use crate::ShaderLayout;
 use crate::camera::FAR;
@@ -22,7 +22,11 @@ pub struct GpuLight {
     pub half_y: Vec3,
     pub cos_outer: f32,
     pub direction: Vec3,
-    _pad: f32,
+    pub unhidden: f32,
+    pub first_triangle: u32,
+    pub triangle_count: u32,
+    pub instance: u32,
+    pub double_sided: u32,
 }
 
 /// [`LightShape::Point`] in [`GpuLight::kind`].
@@ -37,6 +41,8 @@ pub const RECTANGLE: u32 = 3;
 pub const DISK: u32 = 4;
 /// [`LightShape::Sphere`].
 pub const SPHERE: u32 = 5;
+/// An emissive mesh, which this module knows the centre of only.
+pub const MESH: u32 = 6;
 
 /// A point of a light seen from a shaded point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,7 +110,7 @@ pub fn light_sample(light: &GpuLight, point: Vec3, u: Vec2) -> LightSample {
     }
 }
 
-/// The middle of the light with all of its power: what a technique uses that takes areas for points.
+/// The middle of the light with all of its power (a mesh as if it shone into all directions alike): what a technique uses that takes areas for points.
 pub fn light_center(light: &GpuLight, point: Vec3) -> LightSample {
     match light.kind {
         DIRECTIONAL => LightSample { wi: -light.direction, distance: FAR, irradiance: light.emission },

@@ -80,6 +80,43 @@ pub enum Coverage {
     Blend,
 }
 
+/// A light of the frame.
+#[derive(Clone, Debug)]
+pub enum FrameLight {
+    /// An analytic light.
+    Analytic(PlacedLight),
+    /// An instance that emits.
+    Mesh {
+        /// Its index in the list on the device.
+        instance: u32,
+        /// Middle of its emission, world, m.
+        center: Vec3,
+    },
+}
+
+impl FrameLight {
+    /// The analytic light, when it is one.
+    pub fn analytic(&self) -> Option<&PlacedLight> {
+        match self {
+            Self::Analytic(placed) => Some(placed),
+            Self::Mesh { .. } => None,
+        }
+    }
+
+    /// The middle of the light, world, m.
+    pub fn center(&self) -> Vec3 {
+        match self {
+            Self::Analytic(placed) => placed.world_from_light.translation.into(),
+            Self::Mesh { center, .. } => *center,
+        }
+    }
+
+    /// Whether the light is that instance.
+    pub fn is(&self, of: u32) -> bool {
+        matches!(self, Self::Mesh { instance, .. } if *instance == of)
+    }
+}
+
 /// What changes with each frame, for one group of lights.
 pub struct FrameContext<'a> {
     /// The device; it counts the memory of the technique apart.
@@ -89,7 +126,7 @@ pub struct FrameContext<'a> {
     /// Number of the frame: random numbers depend on it.
     pub index: u32,
     /// Lights of this group.
-    pub lights: &'a [PlacedLight],
+    pub lights: &'a [FrameLight],
     /// Index of the first of them in the list on the device.
     pub first_light: u32,
     /// Everything that casts shadows; draws of one mesh with different instances stand apart.

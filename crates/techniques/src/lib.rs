@@ -16,7 +16,7 @@ pub mod tone;
 mod view;
 
 pub use error::Error;
-pub use frame::{Coverage, Draw, FrameContext, MakeContext, TraceBackend};
+pub use frame::{Coverage, Draw, FrameContext, FrameLight, MakeContext, TraceBackend};
 pub use needs::Needs;
 pub use role::Role;
 pub use technique::{Effect, Make, Technique};

@@ -1,6 +1,7 @@
 //! Whole frames, against the path tracer and against closed forms.
 
 mod display;
+mod emissive;
 mod gbuffer;
 mod lighting;
 mod models;

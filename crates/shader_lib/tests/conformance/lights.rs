@@ -37,7 +37,7 @@ fn lights_match() {
         let vector = |at: usize| format!("bitcast<vec3f>(vec3u({}, {}, {}))", words[at], words[at + 1], words[at + 2]);
         let float = |at: usize| format!("bitcast<f32>({})", words[at]);
         let value = format!(
-            "Light({}, {}, {}, {}, {}, {}, {}, {}, {}, 0.0)",
+            "Light({}, {}, {}, {}, {}, {}, {}, {}, {}, 0.0, 0u, 0u, 0u, 0u)",
             vector(0),
             words[3],
             vector(4),
@@ -96,7 +96,7 @@ fn check_arrival(device: &Device) -> Result<(), kajo_render_graph::Error> {
     let shader = Shader::new(device, kajo_shader_lib::link("conformance/arrival", source, &[]))?;
     let pipeline = ComputePipeline::new(device, &shader, "main", PipelineOptions::default())?;
     let input = device.buffer_with("lights", &[light], wgpu::BufferUsages::STORAGE)?;
-    let output = device.buffer("out", 80, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC)?;
+    let output = device.buffer("out", size_of::<GpuLight>() as u64, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC)?;
     let mut encoder = device.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let bindings = Bindings::new().with("lights", &input).with("out", &output);
     pipeline.dispatch(device, &mut encoder, &Bindings::new(), &bindings, glam::UVec3::ONE)?;

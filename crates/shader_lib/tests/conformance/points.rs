@@ -49,21 +49,23 @@ fn random_numbers_have_equal_bits() {
 #[test]
 fn warps_match() {
     let shader =
-        "import shader_lib::warp::{concentric_disk, uniform_sphere, uniform_hemisphere, cosine_hemisphere, cosine_hemisphere_pdf, cone};
-        fn eval(x: array<f32, 2>) -> array<f32, 15> {
+        "import shader_lib::warp::{concentric_disk, uniform_sphere, uniform_hemisphere, cosine_hemisphere, cosine_hemisphere_pdf, cone, triangle_barycentrics};
+        fn eval(x: array<f32, 2>) -> array<f32, 18> {
             let u = vec2f(x[0], x[1]);
             let a = concentric_disk(u);
             let b = uniform_sphere(u);
             let c = uniform_hemisphere(u);
             let d = cosine_hemisphere(u);
             let e = cone(1e-4, u);
-            return array(a.x, a.y, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z, cosine_hemisphere_pdf(d), e.x, e.y, e.z);
+            let f = triangle_barycentrics(u);
+            return array(a.x, a.y, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z, cosine_hemisphere_pdf(d), e.x, e.y, e.z, f.x, f.y, f.z);
         }";
     let twin = |x: [f32; 2]| {
         let u = Vec2::from_array(x);
         let (a, b, c, d) = (warp::concentric_disk(u), warp::uniform_sphere(u), warp::uniform_hemisphere(u), warp::cosine_hemisphere(u));
+        let f = warp::triangle_barycentrics(u);
         let (e, pdf) = (warp::Cone::from_one_minus_cos(1e-4).sample(u), warp::cosine_hemisphere_pdf(d));
-        [a.x, a.y, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z, pdf, e.x, e.y, e.z]
+        [a.x, a.y, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z, pdf, e.x, e.y, e.z, f.x, f.y, f.z]
     };
     // Near the rim z is the root of a small difference: an ulp of the disc becomes 3e-4 of z.
     conform("warp", shader, &unit_square(), twin, Tolerance { relative: 1e-4, absolute: 4e-4 });

@@ -1,8 +1,8 @@
 //! The projections of a light's maps.
 
-use crate::FrameContext;
+use crate::{FrameContext, FrameLight};
 use glam::{Mat4, Vec3, Vec4};
-use kajo_scene::{LightShape, PlacedLight};
+use kajo_scene::LightShape;
 
 /// Maps of one light.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,16 +22,18 @@ const WIDEST_SPOT: f32 = 75.0 * std::f32::consts::PI / 180.0;
 const NEAR: f32 = 1e-4;
 
 /// Fits the maps of a light to the scene and to what the camera sees.
-pub(super) fn fit(placed: &PlacedLight, frame: &FrameContext, resolution: u32, kernel: u32) -> Projection {
-    let position = Vec3::from(placed.world_from_light.translation) - frame.view.position;
-    let axis = |column: Vec3, fallback: Vec3| column.normalize_or(fallback);
-    let z = axis(placed.world_from_light.matrix3.z_axis.into(), Vec3::Z);
+pub(super) fn fit(light: &FrameLight, frame: &FrameContext, resolution: u32, kernel: u32) -> Projection {
+    let position = light.center() - frame.view.position;
     let near = (frame.bounds[1] - frame.bounds[0]).length().max(1e-3) * NEAR;
     // Texels that the filter may read beyond the border of a face.
     let margin = 1.0 + 2.0 * (kernel as f32 + 2.0) / resolution as f32;
-    match placed.light.shape {
-        LightShape::Directional { .. } => directional(z, frame, resolution, margin),
-        LightShape::Spot { outer, .. } if outer.0 < WIDEST_SPOT => {
+    let shape = light.analytic().map(|placed| {
+        let z = Vec3::from(placed.world_from_light.matrix3.z_axis).normalize_or(Vec3::Z);
+        (placed.light.shape, z)
+    });
+    match shape {
+        Some((LightShape::Directional { .. }, z)) => directional(z, frame, resolution, margin),
+        Some((LightShape::Spot { outer, .. }, z)) if outer.0 < WIDEST_SPOT => {
             let half = outer.0.max(1e-3).tan() * margin;
             Projection {
                 clip_from_relative: vec![perspective(position, -z, half, near)],

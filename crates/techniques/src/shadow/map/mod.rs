@@ -4,7 +4,7 @@ mod fit;
 #[cfg(test)]
 mod tests;
 
-use crate::{Coverage, Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
+use crate::{Coverage, Draw, Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
 use fit::{Projection, fit};
 use kajo_params::{ParamValues, Params};
 use kajo_render_graph::wgpu::{self, BufferUsages};
@@ -20,7 +20,7 @@ pub const TECHNIQUE: Technique = Technique {
     title: "Shadow maps",
     doc: include_str!("doc.md"),
     cites: &["Williams78", "Reeves87"],
-    reads: &[slot::DEPTH, slot::NORMAL],
+    reads: &[slot::DEPTH, slot::NORMAL, slot::IDS],
     needs: Needs::NONE,
     params: Params::SPEC,
     make: |context, values| Ok(Box::new(ShadowMap::new(context, values)?)),
@@ -166,11 +166,13 @@ impl ShadowMap {
                 }),
                 ..Default::default()
             });
+            // A lamp stands around its own centre, and must not block what it shines at.
+            let casts = |draw: &Draw| draw.casts_shadow && !frame.lights[layer].is(draw.instance);
             self.opaque.set(pass.device, &mut render, &frame.shared, &own)?;
-            frame.draw(&mut render, |draw| draw.casts_shadow && draw.coverage == Coverage::Opaque);
-            if frame.draws.iter().any(|draw| draw.casts_shadow && draw.coverage != Coverage::Opaque) {
+            frame.draw(&mut render, |draw| casts(draw) && draw.coverage == Coverage::Opaque);
+            if frame.draws.iter().any(|draw| casts(draw) && draw.coverage != Coverage::Opaque) {
                 self.covered.set(pass.device, &mut render, &frame.shared, &own)?;
-                frame.draw(&mut render, |draw| draw.casts_shadow && draw.coverage != Coverage::Opaque);
+                frame.draw(&mut render, |draw| casts(draw) && draw.coverage != Coverage::Opaque);
             }
         }
         Ok(())
@@ -184,6 +186,7 @@ impl ShadowMap {
             .with("normal", pass.view(slot::NORMAL)?)
             .with("light_depth", depth.array())
             .with("compare", &self.compare)
+            .with("ids", pass.view(slot::IDS)?)
             .with("visibility", pass.view(slot::SHADOW_VISIBILITY)?);
         self.look_up.dispatch(pass.device, pass.encoder, &frame.shared, &own, frame.size().extend(1))
     }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{asset, json, succeed};
+use common::{asset, json, run, succeed};
 use std::fs;
 
 const SMALL: [&str; 8] = ["--role", "direct-visibility", "--size", "96x54", "--reference-spp", "16", "--frames", "2"];
@@ -57,4 +57,36 @@ fn a_file_without_lights_is_lit_and_compared() {
     let ignored = report["ignored"].to_string();
     assert!(ignored.contains("no light"), "{ignored}");
     assert!(report["runs"][0]["error"]["off_border_mismatch"].as_f64().unwrap() < 0.01, "{}", report["runs"][0]["error"]);
+}
+
+/// The Cornell box of many engines' sample files: its lamp is an emissive mesh.
+#[test]
+fn a_file_lit_by_an_emissive_mesh_is_compared() {
+    let Some(cornell) = asset("CornellBox/CornellBox.glb") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let report = json(folder.path(), &[&["compare", cornell.to_str().unwrap(), "-o", "report"][..], &SMALL].concat());
+    let runs = report["runs"].as_array().unwrap();
+    assert_eq!(report["references"][0]["judged_by"].as_array().unwrap().len(), 1, "{}", report["references"]);
+    let error = |id: &str| &runs.iter().find(|run| run["technique"] == id).unwrap()["error"];
+    let value = |id: &str, key: &str| error(id)[key].as_f64().unwrap();
+    assert!(value("shadow/ray-traced", "off_border_mismatch") < 0.01, "{}", error("shadow/ray-traced"));
+    assert!(value("shadow/ray-traced", "rmse") < value("shadow/none", "rmse") / 2.0, "{}", error("shadow/none"));
+    assert!((error("shadow/ray-traced")["composed"]["mean_ratio"].as_f64().unwrap() - 1.0).abs() < 0.03, "{}", error("shadow/ray-traced"));
+}
+
+/// A scene lit by its sky alone: the report is there, every row skipped, and the exit code is 1.
+#[test]
+fn a_scene_with_nothing_to_judge_fails_and_leaves_a_report() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("triangle.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let sky = "[[asset]]\nfile = \"triangle.obj\"\n[environment]\nradiance = [1.0, 1.0, 1.0]\n";
+    fs::write(folder.path().join("sky.kajo.toml"), sky).unwrap();
+    let output = run(folder.path(), &[&["compare", "sky.kajo.toml", "-o", "report"][..], &SMALL].concat());
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("error: nothing was compared: sky.kajo.toml, direct-visibility: needs a light"), "{said}");
+    let text = fs::read_to_string(folder.path().join("report/report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(report["runs"].as_array().unwrap().len(), 3);
+    assert!(report["runs"][0]["status"].as_str().unwrap().starts_with("skipped: needs a light"), "{}", report["runs"][0]);
 }

@@ -261,13 +261,6 @@ fn without_an_adapter_the_real_time_side_says_what_to_run() {
 }
 
 #[test]
-fn a_scene_without_a_light_to_judge_is_a_failure_and_not_wrong_usage() {
-    let folder = tempfile::tempdir().unwrap();
-    let words = ["compare", "builtin:furnace", "-o", "report", "--role", "direct-visibility", "--size", "16x16", "--reference-spp", "1"];
-    refuses(folder.path(), &words, 1, &["builtin:furnace", "light to judge direct-visibility"]);
-}
-
-#[test]
 fn a_checkpoint_is_never_overwritten_by_accident() {
     let folder = tempfile::tempdir().unwrap();
     let words = ["render", "builtin:cornell", "-o", "x.png", "--size", "8x8", "--spp", "2", "--checkpoint", "c.ckpt"];

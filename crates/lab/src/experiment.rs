@@ -2,10 +2,10 @@
 
 use crate::evaluate::{Evaluation, difference, evaluate, pictures, reference_exr, reference_pictures, run_exr};
 use crate::html::{Pictures, page};
-use crate::judge::Judge;
+use crate::judge::{Judge, Kind};
 use crate::measure::{Measured, WARM_UP_FRAMES, measure};
 use crate::plan::{Choice, Plan, plan};
-use crate::reference::{MAX_LIGHTS, References, references};
+use crate::reference::{MAX_LIGHTS, References, judged_lights, references};
 use crate::report::{Candidate, DeviceEntry, OK, ReferenceEntry, Report, Run, Settings, decide, to_csv};
 use crate::staging::{MANIFEST, PAGE, Staging};
 use crate::subject::Subject;
@@ -24,7 +24,8 @@ const REFERENCE_SHARE: f64 = 0.6;
 ///
 /// # Errors
 /// Unknown names, scenes that cannot be loaded, no adapter, a folder that cannot be written to, an interruption before the first
-/// result. A technique that cannot run is no error; it is listed as skipped.
+/// result. A technique that cannot run, and a scene without anything to judge it by, is no error; it is listed as skipped, see
+/// [`Report::nothing_compared`].
 pub fn compare(options: &CompareOptions, progress: &dyn Progress) -> Result<Report, LabError> {
     let plan = plan(options)?;
     let staging = Staging::new(&options.output)?;
@@ -42,8 +43,7 @@ pub fn compare(options: &CompareOptions, progress: &dyn Progress) -> Result<Repo
         warnings: warnings(options, &device),
         ..Report::default()
     };
-    let mut experiment =
-        Experiment { options, plan, device, pool, progress, staging, report, pictures: Pictures::default(), nothing_judged: Vec::new() };
+    let mut experiment = Experiment { options, plan, device, pool, progress, staging, report, pictures: Pictures::default() };
     for index in 0..options.scenes.len() {
         if !experiment.scene(index)? {
             experiment.report.complete = false;
@@ -53,10 +53,6 @@ pub fn compare(options: &CompareOptions, progress: &dyn Progress) -> Result<Repo
     if experiment.report.runs.iter().all(|run| !run.is_ok()) && !experiment.report.complete {
         return Err(LabError::Interrupted);
     }
-    if experiment.report.references.is_empty() {
-        return Err(LabError::NotMeasured { reason: experiment.nothing_judged.join("; ") });
-    }
-    experiment.report.warnings.extend(experiment.nothing_judged.iter().map(|text| format!("{text}.")));
     experiment.finish()
 }
 
@@ -114,8 +110,6 @@ struct Experiment<'a> {
     staging: Staging,
     report: Report,
     pictures: Pictures,
-    /// Scenes and roles that the path tracer has no image for.
-    nothing_judged: Vec<String>,
 }
 
 impl Experiment<'_> {
@@ -133,18 +127,17 @@ impl Experiment<'_> {
         let rendered =
             self.pool.install(|| references(&tracer, &roles, &settings, self.options.reference, self.progress, &reference_share))?;
         let Some(references) = rendered else { return Ok(false) };
-        self.warn_about(&subject, &references);
+        self.warn_about(&subject, &references, tracer.visibility_light_names().count());
 
-        let mut renderer = self.renderer(&subject);
+        let mut renderer = self.renderer(&subject, &judged_lights(&tracer));
         let total: usize = self.plan.iter().map(|(_, choices)| choices.len()).sum();
         let mut done = 0;
         for (role, choices) in self.plan.clone() {
             let Some(judge) = references.judges.get(role.id()) else {
-                self.nothing_judged.push(format!(
-                    "{} has no point, spot, directional or area light to judge {} by",
-                    subject.name,
-                    role.id()
-                ));
+                for choice in &choices {
+                    self.skip(new_run(&subject, role, choice), NEEDS_A_LIGHT);
+                }
+                done += choices.len();
                 continue;
             };
             let slug = self.reference(&subject, role, judge, &references)?;
@@ -165,21 +158,29 @@ impl Experiment<'_> {
         Ok(true)
     }
 
-    fn warn_about(&mut self, subject: &Subject, references: &References) {
+    fn warn_about(&mut self, subject: &Subject, references: &References, lights: usize) {
         let name = &subject.name;
         let mut warn = |text: String| self.report.warnings.push(text);
         if references.invalid_samples > 0 {
             warn(format!("{name}: {} samples of the reference were NaN or infinite and count as black.", references.invalid_samples));
         }
-        if subject.snapshot.lights.len() > MAX_LIGHTS {
-            warn(format!("{name}: visibility is judged for the first {MAX_LIGHTS} of {} lights.", subject.snapshot.lights.len()));
+        for part in references.judges.values().filter(|judge| judge.kind == Kind::Visibility).flat_map(Judge::unseen_parts) {
+            let light = part.strip_prefix("visibility.").unwrap_or(part);
+            warn(format!(
+                "{name}: nothing in the picture sees the light {light}, so its visibility tells no technique from another; a shade around it, or \
+                 glass, which is opaque to shadow rays, hides it."
+            ));
+        }
+        if lights > MAX_LIGHTS {
+            warn(format!("{name}: visibility is judged for the {MAX_LIGHTS} strongest of {lights} lights."));
         }
     }
 
-    /// The scene on the device, after one frame that makes what all techniques share; or the reason why not.
-    fn renderer(&mut self, subject: &Subject) -> Result<Renderer, String> {
+    /// The scene on the device, after one frame that makes what all techniques share; or the reason why not. `lights` are judged.
+    fn renderer(&mut self, subject: &Subject, lights: &[usize]) -> Result<Renderer, String> {
         let settings = RendererSettings { camera: subject.camera, ..RendererSettings::new(subject.size) };
         let made = Renderer::new(&self.device, &subject.scene, &subject.snapshot, settings).and_then(|mut renderer| {
+            renderer.watch(lights);
             renderer.render(&RoleSelection::new(), &FrameSettings::default())?;
             Ok(renderer)
         });
@@ -237,16 +238,7 @@ impl Experiment<'_> {
         renderer: Result<&mut Renderer, &mut String>,
         folder: &str,
     ) -> Result<Option<(usize, Evaluation)>, LabError> {
-        let mut run = Run {
-            scene: subject.name.clone(),
-            role: role.id().into(),
-            technique: choice.technique.id.into(),
-            title: choice.technique.title.into(),
-            params: choice.params.to_json(),
-            changed_params: choice.changed_params(),
-            status: OK.into(),
-            ..Run::default()
-        };
+        let mut run = new_run(subject, role, choice);
         let what = format!("{}, {}", run.scene, run.label());
         let result = match (choice.technique.missing(&self.device), renderer) {
             (Some(needs), _) => Err(format!("needs {needs}")),
@@ -261,9 +253,7 @@ impl Experiment<'_> {
         let (measured, evaluation) = match judged {
             Ok(both) => both,
             Err(reason) => {
-                run.status = format!("skipped: {reason}");
-                self.report.runs.push(run);
-                self.pictures.runs.push(None);
+                self.skip(run, &reason);
                 return Ok(None);
             }
         };
@@ -273,6 +263,11 @@ impl Experiment<'_> {
         run.cost = Some(measured.cost);
         self.report.runs.push(run);
         Ok(Some((self.report.runs.len() - 1, evaluation)))
+    }
+
+    fn skip(&mut self, run: Run, reason: &str) {
+        self.report.runs.push(Run { status: format!("skipped: {reason}"), ..run });
+        self.pictures.runs.push(None);
     }
 
     fn files(&mut self, run: &mut Run, judge: &Judge, measured: &Measured, evaluation: &Evaluation, folder: &str) -> Result<(), LabError> {
@@ -320,6 +315,23 @@ impl Experiment<'_> {
         self.staging.write(PAGE, page(&self.report, &self.pictures).as_bytes())?;
         self.staging.publish()?;
         Ok(self.report)
+    }
+}
+
+/// Why a role has no judge: those of the other roles are images of every scene.
+const NEEDS_A_LIGHT: &str = "needs a light with a place or a direction: the scene has no point, spot, directional or area light and no \
+                             emissive mesh; an environment is none";
+
+fn new_run(subject: &Subject, role: Role, choice: &Choice) -> Run {
+    Run {
+        scene: subject.name.clone(),
+        role: role.id().into(),
+        technique: choice.technique.id.into(),
+        title: choice.technique.title.into(),
+        params: choice.params.to_json(),
+        changed_params: choice.changed_params(),
+        status: OK.into(),
+        ..Run::default()
     }
 }
 

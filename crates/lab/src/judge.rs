@@ -110,6 +110,12 @@ impl Judge {
         (mean > 0.0).then(|| self.floor() / mean)
     }
 
+    /// Names of the parts that are black wherever there is a surface.
+    pub fn unseen_parts(&self) -> impl Iterator<Item = &str> {
+        let black = |part: &&Part| self.masked(&part.image).pixels().iter().all(|p| *p == LinearRgb::BLACK);
+        self.parts.iter().filter(black).map(|part| part.name.as_str())
+    }
+
     /// The image of each part.
     pub fn images(&self) -> Vec<Image<LinearRgb>> {
         self.parts.iter().map(|p| p.image.clone()).collect()

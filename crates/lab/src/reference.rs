@@ -5,6 +5,7 @@
 
 use crate::judge::{Composed, Judge, Kind, Part};
 use crate::{LabError, Progress, ReferenceStop};
+use glam::Vec3;
 use kajo_image::Image;
 use kajo_path_tracer::{Aov, Filter, Frame, Integrator, Pixels, Settings, Stop, Tracer, render};
 use kajo_units::LinearRgb;
@@ -48,17 +49,19 @@ const RECIPES: [Recipe; 5] = [
 /// Most lights whose visibility is judged, each by an image of its own: film and takes of all of them must fit in memory.
 pub const MAX_LIGHTS: usize = 12;
 
-/// Those of the analytic lights, in the snapshot's order: emissive meshes are no lights of the real-time renderer.
-fn visibilities(tracer: &Tracer) -> Vec<Aov> {
-    let analytic = tracer.snapshot().lights.len().min(MAX_LIGHTS);
-    tracer.light_names()[..analytic].iter().cloned().map(Aov::Visibility).collect()
+/// The lights whose visibility is judged, the strongest of the analytic lights and emissive meshes: indices that both renderers share.
+pub fn judged_lights(tracer: &Tracer) -> Vec<usize> {
+    tracer.strongest_lights(MAX_LIGHTS)
 }
 
-/// Direct light that the real-time renderer simulates: that of the analytic lights.
-fn simulated_direct(tracer: &Tracer) -> Vec<Aov> {
-    let analytic = tracer.snapshot().lights.len();
-    let names = if analytic > MAX_LIGHTS { &[] } else { &tracer.light_names()[..analytic] };
-    names.iter().cloned().map(Aov::DirectLight).collect()
+fn visibilities(tracer: &Tracer) -> Vec<Aov> {
+    judged_lights(tracer).into_iter().map(|light| Aov::Visibility(tracer.light_names()[light].clone())).collect()
+}
+
+/// Direct light that the real-time renderer leaves out: that of the environment and of unlit surfaces.
+fn not_simulated_direct(tracer: &Tracer) -> Vec<Aov> {
+    let simulated = tracer.visibility_light_names().count();
+    tracer.light_names()[simulated..].iter().cloned().map(Aov::DirectLight).collect()
 }
 
 /// Roles whose techniques can be judged by an image of the path tracer.
@@ -89,7 +92,7 @@ pub fn references(
     }
     let mut aovs: Vec<Aov> = recipes.iter().flat_map(|r| (r.images)(tracer).into_iter().chain(r.composed.clone())).collect();
     if recipes.iter().any(|r| r.composed.is_some()) {
-        aovs.extend(simulated_direct(tracer));
+        aovs.extend(not_simulated_direct(tracer));
     }
     aovs.push(Aov::Coverage);
     let integrator = if recipes.iter().any(|r| r.indirect) { Integrator::Path } else { Integrator::Direct };
@@ -134,20 +137,22 @@ fn judges(tracer: &Tracer, recipes: &[Recipe], frame: &Frame) -> BTreeMap<&'stat
         let variance = image.variance.as_ref().map(Pixels::to_color).filter(|v| v.pixels().iter().all(|p| p.is_finite()));
         Part { name: image.name.clone(), image: image.pixels.to_color(), variance }
     };
-    let lit: Option<Vec<_>> = simulated_direct(tracer).iter().map(|aov| Some(frame.image(&aov.to_string())?.pixels.to_color())).collect();
-    let simulated = lit.filter(|images| !images.is_empty()).map(|images| sum(&images));
+    // On the same random streams the lights' images add up to the whole, so the difference is as exact as their sum.
+    let simulated = |whole: &Image<LinearRgb>| {
+        let missing: Option<Vec<_>> =
+            not_simulated_direct(tracer).iter().map(|aov| Some(frame.image(&aov.to_string())?.pixels.to_color())).collect();
+        let left =
+            |i: usize, whole: LinearRgb| missing.iter().flatten().fold(whole, |left, image| left - image.pixels()[i]).0.max(Vec3::ZERO);
+        let pixels = whole.pixels().iter().enumerate().map(|(i, p)| LinearRgb(left(i, *p)));
+        Image::from_pixels(whole.size(), pixels.collect())
+    };
     let judge = |recipe: &Recipe| Judge {
         parts: (recipe.images)(tracer).iter().map(part).collect(),
         mask: coverage.as_ref().filter(|_| recipe.kind != Kind::Light).map(mask),
         kind: recipe.kind,
-        composed: recipe.composed.as_ref().map(|aov| Composed { part: part(aov), simulated: simulated.clone() }),
+        composed: recipe.composed.as_ref().map(part).map(|part| Composed { simulated: Some(simulated(&part.image)), part }),
     };
     recipes.iter().map(|recipe| (recipe.role, judge(recipe))).collect()
-}
-
-fn sum(images: &[Image<LinearRgb>]) -> Image<LinearRgb> {
-    let pixels = (0..images[0].pixels().len()).map(|i| images.iter().map(|image| image.pixels()[i]).sum());
-    Image::from_pixels(images[0].size(), pixels.collect())
 }
 
 fn mask(coverage: &Image<LinearRgb>) -> Image<bool> {
@@ -191,6 +196,23 @@ mod tests {
         assert_eq!(visibility.parts.len(), tracer.snapshot().lights.len());
         assert_eq!(visibility.composed.as_ref().unwrap().part.name, "direct");
         assert!(visibility.composed.as_ref().unwrap().simulated.is_some());
+    }
+
+    /// What is left of all direct light without the sky is that of the lamps and the glowing mesh.
+    #[test]
+    fn emissive_meshes_are_judged_and_the_sky_is_told_apart() {
+        let mut scene = load("builtin:cornell", &LoadOptions::default()).unwrap();
+        let glow = scene.materials.iter().position(|m| !m.is_emissive()).unwrap();
+        scene.materials[glow].emission = LinearRgb::splat(2.0);
+        scene.environment = Some(kajo_scene::Environment::uniform(LinearRgb::splat(0.5)));
+        let tracer = Tracer::new(&scene, Snapshot::new(&scene, Seconds(0.0))).unwrap();
+        let found = render_all(&tracer, &["direct-visibility"], ReferenceStop::Spp(8));
+        let judge = &found.judges["direct-visibility"];
+        assert!(judge.parts.len() > scene.lights.len() && judge.parts.len() == judged_lights(&tracer).len());
+        let composed = judge.composed.as_ref().unwrap();
+        let sum = |image: &Image<LinearRgb>| image.pixels().iter().map(|p| p.luminance()).sum::<f32>();
+        let (whole, simulated) = (sum(&composed.part.image), sum(composed.simulated.as_ref().unwrap()));
+        assert!(simulated > 0.0 && simulated < 0.999 * whole, "{simulated} of {whole}");
     }
 
     #[test]

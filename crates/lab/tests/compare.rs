@@ -80,15 +80,27 @@ fn an_interruption_keeps_what_is_finished() {
     assert!(std::fs::read_to_string(folder.path().join("index.html")).unwrap().contains("Interrupted."));
 }
 
-/// A scene lit by its sky alone has no shadow of a light.
+/// A scene lit by its sky alone has no shadow of a light: its rows say so, and other scenes go on.
 #[test]
-fn a_scene_without_lights_is_told_and_leaves_nothing_behind() {
+fn a_scene_without_lights_has_skipped_rows() {
     let folder = tempfile::tempdir().unwrap();
     let target = folder.path().join("report");
-    let options = CompareOptions { scenes: vec!["builtin:furnace".into()], ..options(&target, &["shadow/none"]) };
-    let error = compare(&options, &Unwatched).unwrap_err().to_string();
-    assert!(error.contains("builtin:furnace has no point, spot, directional or area light"), "{error}");
-    assert!(!target.exists());
+    std::fs::write(folder.path().join("triangle.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let path = folder.path().join("sky.kajo.toml");
+    std::fs::write(&path, "[[asset]]\nfile = \"triangle.obj\"\n[environment]\nradiance = [1.0, 1.0, 1.0]\n").unwrap();
+    let sky = path.to_str().unwrap().to_owned();
+    let alone = CompareOptions { scenes: vec![sky.clone()], ..options(&target, &["shadow/none", "shadow/map"]) };
+    let report = compare(&alone, &Unwatched).unwrap();
+    assert!(report.runs.iter().all(|run| run.status.starts_with("skipped: needs a light") && run.error.is_none()), "{:?}", report.runs);
+    assert_eq!((report.runs.len(), report.references.len(), report.complete), (2, 0, true));
+    assert!(report.nothing_compared().unwrap().contains("sky.kajo.toml, direct-visibility: needs a light"));
+    let html = std::fs::read_to_string(target.join("index.html")).unwrap();
+    assert!(html.contains("Nothing was compared") && html.contains("sky.kajo.toml") && html.contains("needs a light"));
+    assert!(report.ignored.iter().any(|i| i.feature == "environment as a light"), "{:?}", report.ignored);
+
+    let both = CompareOptions { scenes: vec![sky, "builtin:shadows".into()], ..options(&target, &["shadow/none"]) };
+    let report = compare(&both, &Unwatched).unwrap();
+    assert_eq!((report.runs[0].is_ok(), report.runs[1].is_ok(), report.nothing_compared()), (false, true, None));
 }
 
 #[test]

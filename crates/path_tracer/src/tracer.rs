@@ -56,6 +56,15 @@ impl Tracer {
         (0..self.lights.names.len()).filter(|&light| self.lights.has_visibility(light)).map(|light| self.lights.names[light].as_str())
     }
 
+    /// The `count` lights of most power among those that have an image `visibility.<light>`: indices into [`Self::light_names`], ascending.
+    pub fn strongest_lights(&self, count: usize) -> Vec<usize> {
+        let mut lights: Vec<usize> = (0..self.lights.names.len()).filter(|&light| self.lights.has_visibility(light)).collect();
+        lights.sort_by(|&a, &b| self.lights.power(&self.world, b).total_cmp(&self.lights.power(&self.world, a)));
+        lights.truncate(count);
+        lights.sort_unstable();
+        lights
+    }
+
     /// Bytes of the hierarchy.
     pub fn bvh_bytes(&self) -> usize {
         self.world.tlas.memory()

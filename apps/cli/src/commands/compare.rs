@@ -20,12 +20,11 @@ pub fn run(common: &Common, arguments: &Compare) -> Outcome {
         other => other.into(),
     })?;
     if common.json {
-        return output::json(&report);
+        output::json(&report)?;
+    } else if !common.quiet {
+        tell(&options, &report)?;
     }
-    if !common.quiet {
-        return tell(&options, &report);
-    }
-    Ok(())
+    report.nothing_compared().map_or(Ok(()), |reason| Err(LabError::NotMeasured { reason }.into()))
 }
 
 fn options(arguments: &Compare) -> CompareOptions {

@@ -21,7 +21,7 @@ fn role_title<'a>(report: &'a Report, decision: &'a Decision) -> &'a str {
 
 /// Name, headline, what was compared.
 pub fn header(report: &Report, title: &str) -> Markup {
-    let mut scenes: Vec<&str> = report.references.iter().map(|r| r.scene.as_str()).collect();
+    let mut scenes: Vec<&str> = report.runs.iter().map(|r| r.scene.as_str()).collect();
     scenes.dedup();
     let compared = report.runs.iter().filter(|r| r.is_ok()).count();
     html! {

@@ -88,7 +88,7 @@ fn definitions() -> Markup {
                 div { dt { "border px" } dd { "Mean distance of the half-light contours, the larger of both directions." } }
                 div { dt { "composed, approx." } dd {
                     "The picture made with the technique, against the path tracer's image of all the same light; "
-                    "and against the part of that light that the real-time renderer simulates at all (analytic lights; no emissive meshes, no environment)."
+                    "and against the part of that light that the real-time renderer simulates at all (every light but the environment and unlit surfaces)."
                 } }
             }
         }

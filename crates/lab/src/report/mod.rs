@@ -9,7 +9,7 @@ pub use decision::{Candidate, Certainty, Decision, SIGMAS, decide, pareto_front}
 
 use kajo_image_metrics::Comparison;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Everything that was found, and what is needed to find it again.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -40,6 +40,21 @@ pub struct Report {
     pub warnings: Vec<String>,
     /// Every file of the report, relative to its folder.
     pub files: Vec<String>,
+}
+
+impl Report {
+    /// When no scene had anything to judge by: why. The report then lists every run as skipped.
+    pub fn nothing_compared(&self) -> Option<String> {
+        if !self.references.is_empty() {
+            return None;
+        }
+        let reasons: BTreeSet<String> = self
+            .runs
+            .iter()
+            .map(|run| format!("{}, {}: {}", run.scene, run.role, run.status.strip_prefix("skipped: ").unwrap_or(&run.status)))
+            .collect();
+        Some(reasons.into_iter().collect::<Vec<_>>().join("; "))
+    }
 }
 
 /// The GPU or its software stand-in.

@@ -173,6 +173,11 @@ impl Lights {
         self.emitters.push(emitter);
     }
 
+    /// Estimated flux into the scene, W; 0 for what is only met.
+    pub(crate) fn power(&self, world: &World, light: usize) -> f32 {
+        self.emitters[light].power(world).unwrap_or(0.0)
+    }
+
     /// Fills the tables over all emitters.
     fn index(&mut self, world: &World) {
         let powers: Vec<Option<f32>> = self.emitters.iter().map(|emitter| emitter.power(world)).collect();

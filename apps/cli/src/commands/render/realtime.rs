@@ -28,14 +28,16 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
         renderer.ignored().iter().for_each(|ignored| eprintln!("note: {ignored}"));
     }
     let seed = arguments.tracing.seed as u32;
+    if arguments.aov.is_empty() {
+        renderer.watch(&[]);
+    }
     let begin = Instant::now();
     let frame = renderer.render(&roles, &FrameSettings { index: seed, gbuffer: !arguments.aov.is_empty(), ..Default::default() })?;
     let stats = stats(&device, &renderer, &roles, &frame, begin.elapsed().as_secs_f64());
 
-    let lights: Vec<&str> = snapshot.lights.iter().map(|placed| placed.light.name.as_str()).collect();
     let mut metadata = provenance();
     metadata.insert("adapter".into(), device.info().name.clone());
-    let layers = chosen_layers(&arguments.aov, layers(&frame, &lights))?;
+    let layers = chosen_layers(&arguments.aov, layers(&frame, renderer.light_names()))?;
     Picture { image: &frame.color, layers, metadata, scene_exposure: scene.exposure }.write(arguments, output)?;
     if let Some(path) = &arguments.stats {
         kajo_image::write_atomic(path, serde_json::to_string_pretty(&stats)?.as_bytes())?;
@@ -72,7 +74,7 @@ fn roles(words: &[String]) -> Outcome<RoleSelection> {
 }
 
 /// Everything the frame left, under the names that the path tracer's images have.
-fn layers(frame: &FrameOutput, lights: &[&str]) -> Vec<Layer> {
+fn layers(frame: &FrameOutput, lights: &[String]) -> Vec<Layer> {
     let mut layers = vec![Layer::color("direct", &frame.direct)];
     layers.extend(lights.iter().zip(&frame.visibility).map(|(name, image)| Layer::scalar(format!("visibility.{name}"), image)));
     if let Some(GBufferImages { depth, position, shading_normal, normal, albedo, motion, instance, material, .. }) = &frame.gbuffer {

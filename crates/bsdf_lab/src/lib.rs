@@ -5,6 +5,8 @@
 mod albedo;
 pub mod checks;
 mod quadrature;
+mod table;
 
 pub use albedo::{SampledAlbedo, albedo, sampled_albedo};
+pub use table::{TableRow, probe, survey_table};
 pub use quadrature::{Cell, angles, integrate};

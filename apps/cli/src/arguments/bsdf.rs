@@ -10,6 +10,9 @@ pub enum Bsdf {
     List {
         /// Model id, e.g. ward
         id: Option<String>,
+        /// The table of the README
+        #[arg(long, hide = true)]
+        markdown: bool,
     },
     /// Evaluate a model for one pair of directions
     Eval(Eval),

@@ -9,7 +9,10 @@ use kajo_params::ParamKind;
 use serde_json::{Value, json};
 
 /// Prints the list, or one model with its documentation.
-pub fn run(common: &Common, id: Option<&str>) -> Outcome {
+pub fn run(common: &Common, id: Option<&str>, markdown: bool) -> Outcome {
+    if markdown {
+        return output::text(&as_markdown());
+    }
     let Some(id) = id else {
         if common.json {
             return output::json(&all().map(as_json).collect::<Vec<_>>());
@@ -31,6 +34,15 @@ pub fn run(common: &Common, id: Option<&str>) -> Outcome {
     let table =
         if rows.is_empty() { "No parameters.\n".into() } else { output::table(&["parameter", "default", "allowed", "what"], &rows) };
     output::text(&format!("{}: {}\n\n{}\n\nSources: {}\n{table}", model.id, model.title, model.doc.trim(), model.cites.join(", ")))
+}
+
+/// The table of the README.
+fn as_markdown() -> String {
+    let row = |model: &ModelEntry| {
+        let names: Vec<String> = model.params.iter().map(|p| format!("`{}`", p.name)).collect();
+        format!("| `{}` | {} | {} |\n", model.id, model.title, names.join(", "))
+    };
+    "| model | what | parameters |\n| --- | --- | --- |\n".to_string() + &all().map(row).collect::<String>()
 }
 
 fn as_json(model: &ModelEntry) -> Value {
@@ -61,4 +73,15 @@ fn as_json(model: &ModelEntry) -> Value {
         "params": params,
         "aliases": aliases,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::as_markdown;
+
+    #[test]
+    fn the_readme_shows_the_models() {
+        let readme = include_str!("../../../../../README.md");
+        assert!(readme.contains(&as_markdown()), "put the output of `kajo bsdf list --markdown` into README.md");
+    }
 }

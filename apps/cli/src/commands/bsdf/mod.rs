@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Carries out the subcommand.
 pub fn run(common: &Common, command: &Bsdf) -> Outcome {
     match command {
-        Bsdf::List { id } => list::run(common, id.as_deref()),
+        Bsdf::List { id, markdown } => list::run(common, id.as_deref(), *markdown),
         Bsdf::Eval(arguments) => eval::run(common, arguments),
         Bsdf::Albedo(arguments) => albedo::run(common, arguments),
         Bsdf::Check(arguments) => check::run(common, arguments),

@@ -8,5 +8,5 @@ mod quadrature;
 mod table;
 
 pub use albedo::{SampledAlbedo, albedo, sampled_albedo};
-pub use table::{TableRow, probe, survey_table};
 pub use quadrature::{Cell, angles, integrate};
+pub use table::{TableRow, probe, survey_table};

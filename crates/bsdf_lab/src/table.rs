@@ -10,7 +10,7 @@ const PROBES: &[(&str, &[(&str, &str)])] = &[
     ("phong", &[("kd", "0"), ("ks", "1"), ("n", "50")]),
     ("phong-bsf", &[("kd", "0.6"), ("ks", "0.4"), ("n", "5")]),
     ("cook-torrance", &[("kd", "0"), ("ks", "1"), ("m", "0.2")]),
-    ("schlick-cook-torrance", &[("kd", "0"), ("ks", "1"), ("m", "0.2")]),
+    ("schlick-cook-torrance", &[("kd", "0"), ("ks", "1"), ("m", "0.2"), ("f0", "1")]),
     ("htsg", &[]),
     ("strauss", &[("c", "1"), ("s", "0.9"), ("e", "0.5")]),
     ("ward", &[("kd", "0"), ("ks", "1"), ("mx", "0.2"), ("my", "0.3")]),
@@ -86,7 +86,8 @@ fn turning(model: &dyn Reflectance) -> f64 {
 /// Where f is largest in the plane of incidence, by tenths of a degree.
 fn peak_shift(model: &dyn Reflectance) -> Option<f64> {
     let wi: DVec3 = from_degrees(60.0, 0.0);
-    let values: Vec<(f64, f64)> = (0..890).map(|i| f64::from(i) * 0.1).map(|theta| (theta, brdf(model, wi, from_degrees(theta, 180.0)).x)).collect();
+    let values: Vec<(f64, f64)> =
+        (0..890).map(|i| f64::from(i) * 0.1).map(|theta| (theta, brdf(model, wi, from_degrees(theta, 180.0)).x)).collect();
     let (least, most) = values.iter().fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), (_, f)| (least.min(*f), most.max(*f)));
     let (peak, _) = values.into_iter().find(|(_, f)| *f == most)?;
     (most > least * (1.0 + 1e-9)).then_some(peak - 60.0)

@@ -20,6 +20,12 @@ pub enum Bsdf {
     Albedo(Albedo),
     /// Check reciprocity, energy and finite numbers, of one model or of all
     Check(Check),
+    /// What the literature claims of the models beside what is measured
+    Table {
+        /// The form that keeps what the model claims, or as printed in its source
+        #[arg(long, value_enum, default_value = "corrected")]
+        form: Form,
+    },
     /// Check that samples follow their density, and that value and density give the albedo
     SampleTest(SampleTest),
 }

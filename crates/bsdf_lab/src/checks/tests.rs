@@ -138,7 +138,8 @@ fn no_corrected_model_but_schlicks_gains_energy_and_a_gain_is_found() {
     }
     let gains = furnace(&*model("schlick-single", &[("c", "1"), ("r", "0.1")]));
     assert!(gains.worst().2 > 1.3, "Schlick's model at grazing angles: {:?}", gains.worst());
-    let printed = find("cook-torrance").unwrap().from_pairs(&[("kd", "0"), ("ks", "1"), ("m", "0.2"), ("fresnel", "none")], Form::Printed).unwrap();
+    let printed =
+        find("cook-torrance").unwrap().from_pairs(&[("kd", "0"), ("ks", "1"), ("m", "0.2"), ("fresnel", "none")], Form::Printed).unwrap();
     let normal = furnace(&*printed).albedos[0].2;
     assert!((normal - 4.0).abs() < 1e-3, "Cook-Torrance as printed at normal incidence: {normal}");
 }

@@ -5,6 +5,7 @@ mod check;
 mod eval;
 mod list;
 mod sample_test;
+mod table;
 
 use crate::arguments::Common;
 use crate::arguments::bsdf::{Bsdf, Form, ModelChoice, Models};
@@ -22,6 +23,7 @@ pub fn run(common: &Common, command: &Bsdf) -> Outcome {
         Bsdf::Eval(arguments) => eval::run(common, arguments),
         Bsdf::Albedo(arguments) => albedo::run(common, arguments),
         Bsdf::Check(arguments) => check::run(common, arguments),
+        Bsdf::Table { form } => table::run(common, (*form).into()),
         Bsdf::SampleTest(arguments) => sample_test::run(common, arguments),
     }
 }

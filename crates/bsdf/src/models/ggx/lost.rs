@@ -4,9 +4,9 @@
 //! 1 − E ≈ c_0 + c_1 s + … + c_6 s⁶ + c_7 s ln s,    s = cos θ/√(α_x² v_x² + α_y² v_y² + v_z²)
 //! ```
 //!
-//! s is the cosine in the configuration where the facets have unit roughness, in which narrow lobes look like wide ones: the fit is within 4e-3 of the tables for
-//! α ≥ 0.01, and narrower facets look like those: between the first nodes the tables know less. Anisotropic facets have one fit for each axis, blended like [`crate::ggx_albedo_aniso`]. A formula, unlike a table, runs over any number and on the
-//! GPU from constants alone.
+//! s is the cosine in the configuration where the facets have unit roughness, in which narrow lobes look like wide ones. Narrower facets than α = 0.01 look like those:
+//! between the first nodes the tables know less. Anisotropic facets have a fit along each axis and one between them, with a parabola through the three in the share of the
+//! spread that lies along x. A formula, unlike a table, runs over any number and on the GPU from constants alone.
 
 use crate::ggx_albedo_aniso;
 use crate::models::{Real, V3};
@@ -18,34 +18,28 @@ const NARROWEST: f64 = 0.01;
 /// Terms of the fit.
 const TERMS: usize = 8;
 
-/// 1 − E over the two axes.
+/// 1 − E along y, between the axes, and along x.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lost<T> {
-    pub x: [T; TERMS],
-    pub y: [T; TERMS],
+    pub fits: [[T; TERMS]; 3],
     alpha2: [T; 2],
 }
 
 impl<T: Real> Lost<T> {
     /// For these widths, in (0, 1].
     pub fn new(alpha_x: f64, alpha_y: f64) -> Self {
-        let [table_x, table_y] = [alpha_x, alpha_y].map(|alpha| alpha.max(NARROWEST));
-        let over = |alpha: f64, direction: &dyn Fn(f32, f32) -> Vec3| {
+        let table = [alpha_x, alpha_y].map(|alpha| alpha.max(NARROWEST));
+        let along = |share: f64| {
             let points: Vec<_> = (1..=96)
                 .map(|k| {
                     let s = f64::from(k) / 96.0;
-                    // The cosine whose stretched one is s.
-                    let cos = s * alpha / (1.0 - s * s * (1.0 - alpha * alpha)).sqrt();
-                    let v = direction((1.0 - cos * cos).max(0.0).sqrt() as f32, cos as f32);
-                    let white = ggx_albedo_aniso(Vec2::new(table_x as f32, table_y as f32), v).white();
-                    (terms(s), 1.0 - f64::from(white))
+                    (terms(s), 1.0 - f64::from(white(table, stretched_back(table, s, share))))
                 })
                 .collect();
             least_squares(&points).map(T::of)
         };
-        let x = over(table_x, &|sin, cos| Vec3::new(sin, 0.0, cos));
-        let y = if table_x == table_y { x } else { over(table_y, &|sin, cos| Vec3::new(0.0, sin, cos)) };
-        Self { x, y, alpha2: [alpha_x * alpha_x, alpha_y * alpha_y].map(T::of) }
+        let fits = if table[0] == table[1] { [along(1.0); 3] } else { [0.0, 0.5, 1.0].map(along) };
+        Self { fits, alpha2: [alpha_x * alpha_x, alpha_y * alpha_y].map(T::of) }
     }
 
     /// 1 − E seen from `v`, in [0, 1].
@@ -53,12 +47,27 @@ impl<T: Real> Lost<T> {
     pub fn at(&self, v: V3<T>) -> T {
         let (x2, y2) = (self.alpha2[0] * v.x.squared(), self.alpha2[1] * v.y.squared());
         let powers = terms(v.z / (x2 + y2 + v.z.squared()).sqrt());
-        let sum = |c: &[T; TERMS]| (0..TERMS).fold(T::zero(), |sum, k| sum + c[k] * powers[k]);
-        // Along the normal both axes say the same.
-        let over_x = x2 / (x2 + y2).max(T::of(1e-36));
-        let (x, y) = (sum(&self.x), sum(&self.y));
-        (y + over_x * (x - y)).clamp(0.0, 1.0)
+        let [y, middle, x] = self.fits.map(|c| (0..TERMS).fold(T::zero(), |sum, k| sum + c[k] * powers[k]));
+        // Along the normal all three say the same.
+        let t = x2 / (x2 + y2).max(T::of(1e-36));
+        let (one, two) = (T::one(), T::of(2.0));
+        let parabola = y * ((one - t) * (one - two * t)) + middle * (T::of(4.0) * t * (one - t)) + x * (t * (two * t - one));
+        parabola.clamp(0.0, 1.0)
     }
+}
+
+/// E of white facets from the tables, which want the wider axis first.
+fn white([x, y]: [f64; 2], v: Vec3) -> f32 {
+    let (alpha, v) = if x >= y { (Vec2::new(x as f32, y as f32), v) } else { (Vec2::new(y as f32, x as f32), Vec3::new(v.y, v.x, v.z)) };
+    ggx_albedo_aniso(alpha, v).white()
+}
+
+/// The direction whose stretched cosine is `s`, with this share of its spread α_x² v_x² + α_y² v_y² along x.
+fn stretched_back([alpha_x, alpha_y]: [f64; 2], s: f64, share: f64) -> Vec3 {
+    let (along_x, along_y) = (share / (alpha_x * alpha_x), (1.0 - share) / (alpha_y * alpha_y));
+    let spread = (1.0 - s * s) / (s * s + (along_x + along_y) * (1.0 - s * s));
+    let (x2, y2) = (spread * along_x, spread * along_y);
+    Vec3::new(x2.sqrt() as f32, y2.sqrt() as f32, (1.0 - x2 - y2).max(0.0).sqrt() as f32)
 }
 
 impl Lost<f64> {
@@ -141,7 +150,7 @@ mod tests {
                     let [f0, f90] = quadrature::ggx_albedo(table, alpha, 4096);
                     f0 + f90
                 } else {
-                    ggx_albedo_aniso(alpha, table).white()
+                    super::white([alpha_x, alpha_y], table)
                 };
                 worst = worst.max((double.at(v) - 1.0 + f64::from(white)).abs());
                 let single = f64::from(single.at(V3 { x: table.x, y: table.y, z: table.z }));

@@ -184,7 +184,7 @@ impl Model for Ggx {
         let m = formula.multiple;
         let mut out = vec![formula.alpha2[0], formula.alpha2[1], formula.d_scale, 0.0, m.x, m.y, m.z, 0.0];
         out.extend(formula.fresnel.constants().into_iter().flatten());
-        out.extend(formula.lost.x.into_iter().chain(formula.lost.y));
+        out.extend(formula.lost.fits.as_flattened());
         out
     }
 }

@@ -53,3 +53,19 @@ fn albedo_check_and_sample_test_measure_every_model() {
     let table = succeed(here(), &words("bsdf sample-test --model phong --samples 10000"));
     assert!(models >= 3 && table.lines().count() == 5, "{table}");
 }
+
+/// Row BR-40.
+#[test]
+fn misprints_and_claims_are_tables_and_json() {
+    let errata = json(here(), &words("bsdf table --errata"));
+    let row = errata.as_array().unwrap().iter().find(|row| row["equation"] == "3.11").unwrap();
+    assert!(
+        (row["value_printed"].as_f64().unwrap() - 0.197).abs() < 5e-4 && (row["value_implemented"].as_f64().unwrap() - 0.0387).abs() < 5e-5
+    );
+    assert_eq!(succeed(here(), &words("bsdf table --errata")).lines().count(), errata.as_array().unwrap().len() + 1);
+    let claims = json(here(), &words("bsdf table --claims"));
+    assert_eq!(claims[0]["holds"], true);
+    assert_eq!(claims[1]["holds"], false, "Cook and Torrance's print gains energy");
+    assert!(succeed(here(), &words("bsdf table --claims")).contains("largest albedo, F = 1, m = 0.2, 1/π"));
+    assert_eq!(run(here(), &words("bsdf table --claims --errata")).status.code(), Some(2));
+}

@@ -4,9 +4,13 @@
 
 mod albedo;
 pub mod checks;
+mod claims;
+mod errata;
 mod quadrature;
 mod table;
 
 pub use albedo::{SampledAlbedo, albedo, sampled_albedo};
+pub use claims::{Claim, Measured, claims};
+pub use errata::{Erratum, errata};
 pub use quadrature::{Cell, angles, integrate};
 pub use table::{TableRow, probe, survey_table};

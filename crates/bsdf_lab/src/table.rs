@@ -77,14 +77,14 @@ pub fn survey_table(form: Form) -> Vec<TableRow> {
         .collect()
 }
 
-fn turning(model: &dyn Reflectance) -> f64 {
+pub(crate) fn turning(model: &dyn Reflectance) -> f64 {
     let value = |turn: f64| brdf(model, from_degrees(40.0, turn), from_degrees(55.0, 150.0 + turn)).x;
     let still = value(0.0);
     (1..12).map(|i| (value(f64::from(i) * 15.0) - still).abs() / still.abs().max(1e-12)).fold(0.0, f64::max)
 }
 
 /// Where f is largest in the plane of incidence, by tenths of a degree.
-fn peak_shift(model: &dyn Reflectance) -> Option<f64> {
+pub(crate) fn peak_shift(model: &dyn Reflectance) -> Option<f64> {
     let wi: DVec3 = from_degrees(60.0, 0.0);
     let values: Vec<(f64, f64)> =
         (0..890).map(|i| f64::from(i) * 0.1).map(|theta| (theta, brdf(model, wi, from_degrees(theta, 180.0)).x)).collect();

@@ -21,11 +21,7 @@ pub enum Bsdf {
     /// Check reciprocity, energy and finite numbers, of one model or of all
     Check(Check),
     /// What the literature claims of the models beside what is measured
-    Table {
-        /// The form that keeps what the model claims, or as printed in its source
-        #[arg(long, value_enum, default_value = "corrected")]
-        form: Form,
-    },
+    Table(Table),
     /// Check that samples follow their density, and that value and density give the albedo
     SampleTest(SampleTest),
 }
@@ -42,6 +38,20 @@ pub struct Models {
     /// The form that keeps what the model claims, or as printed in its source
     #[arg(long, value_enum, default_value = "corrected")]
     pub form: Form,
+}
+
+/// `kajo bsdf table`.
+#[derive(Debug, Args)]
+pub struct Table {
+    /// The form that keeps what the model claims, or as printed in its source
+    #[arg(long, value_enum, default_value = "corrected")]
+    pub form: Form,
+    /// The misprints instead, each with its value as printed and as implemented
+    #[arg(long, conflicts_with_all = ["claims", "form"])]
+    pub errata: bool,
+    /// Single claims instead, each with the numbers that decide it
+    #[arg(long, conflicts_with = "form")]
+    pub claims: bool,
 }
 
 /// `kajo bsdf check`.

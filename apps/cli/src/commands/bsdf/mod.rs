@@ -2,13 +2,15 @@
 
 mod albedo;
 mod check;
+mod claims;
+mod errata;
 mod eval;
 mod list;
 mod sample_test;
 mod table;
 
 use crate::arguments::Common;
-use crate::arguments::bsdf::{Bsdf, Form, ModelChoice, Models};
+use crate::arguments::bsdf::{Bsdf, Form, ModelChoice, Models, Table};
 use crate::failure::{Failure, Outcome};
 use glam::DVec3;
 use kajo_bsdf::models::{ModelEntry, ModelError, Reflectance, V3, all, find};
@@ -23,7 +25,9 @@ pub fn run(common: &Common, command: &Bsdf) -> Outcome {
         Bsdf::Eval(arguments) => eval::run(common, arguments),
         Bsdf::Albedo(arguments) => albedo::run(common, arguments),
         Bsdf::Check(arguments) => check::run(common, arguments),
-        Bsdf::Table { form } => table::run(common, (*form).into()),
+        Bsdf::Table(Table { errata: true, .. }) => errata::run(common),
+        Bsdf::Table(Table { claims: true, .. }) => claims::run(common),
+        Bsdf::Table(Table { form, .. }) => table::run(common, (*form).into()),
         Bsdf::SampleTest(arguments) => sample_test::run(common, arguments),
     }
 }

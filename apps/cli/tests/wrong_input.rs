@@ -94,8 +94,7 @@ fn numbers_of_every_wrong_kind_exit_with_2() {
 fn flags_of_the_path_tracer_are_refused_by_the_real_time_renderer() {
     let folder = tempfile::tempdir().unwrap();
     for flag in [
-        &["--spp", "4"][..],
-        &["--integrator", "ao"],
+        &["--integrator", "ao"][..],
         &["--max-depth", "3"],
         &["--no-rr"],
         &["--threads", "1"],

@@ -91,7 +91,7 @@ pub struct Render {
     /// Image size; 720 rows in the camera's shape if not given
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub size: Option<Size>,
-    /// Stop after this many samples per pixel [default: 64]
+    /// Stop after this many samples per pixel [default: 64]; of the real-time renderer the mean of this many frames [default: 1]
     #[arg(long, value_name = "N", group = "stop", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
     pub spp: Option<u32>,
     /// Stop after this time

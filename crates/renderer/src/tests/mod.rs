@@ -1,5 +1,6 @@
 //! Whole frames, against the path tracer and against closed forms.
 
+mod accumulation;
 mod display;
 mod emissive;
 mod gbuffer;

@@ -35,7 +35,6 @@ fn check(arguments: &Render) -> Outcome {
     }
     let tracing = &arguments.tracing;
     let reference_only = [
-        ("--spp", arguments.spp.is_some()),
         ("--time", arguments.time.is_some()),
         ("--noise", arguments.noise.is_some()),
         ("--checkpoint", arguments.checkpoint.is_some()),

@@ -1,4 +1,4 @@
-//! `kajo render --renderer realtime`: one frame of the real-time renderer with chosen techniques.
+//! `kajo render --renderer realtime`: one frame of the real-time renderer with chosen techniques, or the mean of `--spp` frames.
 
 use super::write::{Picture, provenance};
 use crate::arguments::{Common, Render};
@@ -32,7 +32,11 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
         renderer.watch(&[]);
     }
     let begin = Instant::now();
-    let frame = renderer.render(&roles, &FrameSettings { index: seed, gbuffer: !arguments.aov.is_empty(), ..Default::default() })?;
+    let settings = FrameSettings { index: seed, gbuffer: !arguments.aov.is_empty(), ..Default::default() };
+    let frame = match arguments.spp {
+        Some(count) if count > 1 => renderer.accumulate(&roles, &settings, count)?,
+        _ => renderer.render(&roles, &settings)?,
+    };
     let stats = stats(&device, &renderer, &roles, &frame, begin.elapsed().as_secs_f64());
 
     let mut metadata = provenance();

@@ -61,6 +61,8 @@ slots! {
     IDS = "ids", Rg32Uint, One, "1";
     /// V: the share of each light that the point sees.
     SHADOW_VISIBILITY = "shadow_visibility", R32Float, PerLight, "1";
+    /// V while it is being filtered.
+    SHADOW_FILTERED = "shadow_filtered", R32Float, PerLight, "1";
     /// Reflected light that arrives straight from lights.
     DIRECT = "direct", Rgba32Float, One, "W/(m² sr)";
     /// Copy of `direct` while another group of lights is added to it.

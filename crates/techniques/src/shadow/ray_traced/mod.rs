@@ -3,7 +3,10 @@
 #[cfg(test)]
 mod tests;
 
+mod denoise;
+
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
+use denoise::Denoise;
 use kajo_params::{ParamValues, Params};
 use kajo_render_graph::wgpu::BufferUsages;
 use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Device, Graph, PipelineOptions, readback, slot};
@@ -14,7 +17,7 @@ pub const TECHNIQUE: Technique = Technique {
     role: Role::DirectVisibility,
     title: "Ray-traced shadows",
     doc: include_str!("doc.md"),
-    cites: &["Whitted80", "Cook84", "Roberts18"],
+    cites: &["Whitted80", "Cook84", "Roberts18", "Dammertz10"],
     reads: &[slot::DEPTH, slot::NORMAL],
     needs: Needs::NONE,
     params: Params::SPEC,
@@ -27,6 +30,10 @@ pub struct Params {
     /// Rays to each light that has an extent; points, spots and parallel lights take one.
     #[param(default = 4, range = 1..=1024)]
     pub samples: u32,
+    /// Passes of a filter that spreads the noise of lights with an extent over pixels of the same surface. None keeps the estimate unbiased; each pass
+    /// doubles the reach and costs some sharpness of penumbrae.
+    #[param(default = 0, range = 0..=5)]
+    pub denoise: u32,
 }
 
 /// What the shader reads.
@@ -44,14 +51,17 @@ struct RayTraced {
     pipeline: ComputePipeline,
     uniform: Buffer,
     rays: Buffer,
+    denoise: Denoise,
 }
 
 impl RayTraced {
     fn new(context: &MakeContext, values: &ParamValues) -> Result<Self, Error> {
         let shader = context.shader("shadow/ray-traced", include_str!("ray_traced.wesl"))?;
         let options = PipelineOptions { list_length: context.textures, ..Default::default() };
+        let params = Params::from_values(values);
         Ok(Self {
-            params: Params::from_values(values),
+            params,
+            denoise: Denoise::new(context, params.denoise, params.samples)?,
             pipeline: ComputePipeline::new(context.device, &shader, "trace_visibility", options)?,
             uniform: context.device.buffer(
                 "shadow/ray-traced",
@@ -68,21 +78,24 @@ impl Effect for RayTraced {
         let params =
             GpuParams { samples: self.params.samples, first_light: frame.first_light, light_count: frame.lights.len() as u32, _padding: 0 };
         self.uniform.write(&frame.device.queue, bytemuck::bytes_of(&params));
+        self.denoise.prepare(frame);
         Ok(())
     }
 
     fn record<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>) {
-        let access = Access::new("shadow/ray-traced/trace").reads(TECHNIQUE.reads).writes(&[slot::SHADOW_VISIBILITY]);
+        let traced = self.denoise.source(0);
+        let access = Access::new("shadow/ray-traced/trace").reads(TECHNIQUE.reads).writes(&[traced]);
         graph.pass(access, move |pass| {
             let own = Bindings::new()
                 .with("params", &self.uniform)
                 .with("depth", pass.view(slot::DEPTH)?)
                 .with("normal", pass.view(slot::NORMAL)?)
-                .with("visibility", pass.view(slot::SHADOW_VISIBILITY)?)
+                .with("visibility", pass.view(traced)?)
                 .with("rays", &self.rays);
             let invocations = frame.size().extend(frame.lights.len() as u32);
             self.pipeline.dispatch(pass.device, pass.encoder, &frame.shared, &own, invocations)
         });
+        self.denoise.record(frame, graph);
     }
 
     fn rays(&self, device: &Device) -> Result<u64, Error> {

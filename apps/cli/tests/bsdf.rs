@@ -69,3 +69,19 @@ fn misprints_and_claims_are_tables_and_json() {
     assert!(succeed(here(), &words("bsdf table --claims")).contains("largest albedo, F = 1, m = 0.2, 1/π"));
     assert_eq!(run(here(), &words("bsdf table --claims --errata")).status.code(), Some(2));
 }
+
+/// Row BR-38.
+#[test]
+fn plots_are_numbers_and_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let command = "bsdf plot --figure 2.2,2.5,3.4,3.5,3.6 --curves cook-torrance --param m=0.3 --theta-i 30,60 -o out";
+    let files = json(folder.path(), &words(command));
+    assert_eq!(files.as_array().unwrap().len(), 7 * 3, "{files}");
+    for name in ["figure_2.2", "figure_2.5", "figure_3.4", "figure_3.5", "figure_3.6", "cook-torrance_lobe", "cook-torrance_polar"] {
+        let read = |ending: &str| std::fs::read(folder.path().join(format!("out/{name}.{ending}"))).unwrap();
+        assert!(read("png").starts_with(b"\x89PNG") && read("svg").starts_with(b"<svg") && read("csv").starts_with(b"curve,"), "{name}");
+    }
+    let output = run(folder.path(), &words("bsdf plot --figure 2.3 -o out"));
+    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(run(folder.path(), &words("bsdf plot -o out")).status.code(), Some(2), "a plot of nothing");
+}

@@ -6,6 +6,8 @@ mod albedo;
 pub mod checks;
 mod claims;
 mod errata;
+pub mod figures;
+pub mod plot;
 mod quadrature;
 mod table;
 

@@ -2,6 +2,7 @@
 
 use clap::{Args, Subcommand, ValueEnum};
 use kajo_bsdf::models;
+use std::path::PathBuf;
 
 /// Reflectance models: list, evaluate, measure.
 #[derive(Debug, Subcommand)]
@@ -22,6 +23,8 @@ pub enum Bsdf {
     Check(Check),
     /// What the literature claims of the models beside what is measured
     Table(Table),
+    /// Draw curves: the survey's figures, or the lobes of a model, as CSV, SVG and PNG
+    Plot(Plot),
     /// Check that samples follow their density, and that value and density give the albedo
     SampleTest(SampleTest),
 }
@@ -52,6 +55,30 @@ pub struct Table {
     /// Single claims instead, each with the numbers that decide it
     #[arg(long, conflicts_with = "form")]
     pub claims: bool,
+}
+
+/// `kajo bsdf plot`.
+#[derive(Debug, Args)]
+#[command(group(clap::ArgGroup::new("what").args(["figure", "curves"]).required(true).multiple(true)))]
+pub struct Plot {
+    /// Figures of the survey, separated by commas
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = kajo_bsdf_lab::figures::SURVEY_FIGURES)]
+    pub figure: Vec<String>,
+    /// Model whose lobe in the plane of incidence is drawn, over angles and as arrows
+    #[arg(long, value_name = "ID")]
+    pub curves: Option<String>,
+    /// A parameter of the model. Repeatable
+    #[arg(long = "param", value_name = "NAME=VALUE", num_args = 1.., value_parser = pair, requires = "curves")]
+    pub params: Vec<(String, String)>,
+    /// The form that keeps what the model claims, or as printed in its source
+    #[arg(long, value_enum, default_value = "corrected")]
+    pub form: Form,
+    /// Inclinations of the light from the normal, a lobe for each
+    #[arg(long, value_name = "DEG", value_delimiter = ',', default_value = "0,30,60", value_parser = above)]
+    pub theta_i: Vec<f64>,
+    /// Folder of the files
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
 }
 
 /// `kajo bsdf check`.
@@ -174,5 +201,11 @@ fn inclination(text: &str) -> Result<f64, String> {
         } else {
             Err("an inclination is from 0 (the normal) to 180 degrees; over 90 is below the surface".into())
         }
+    })
+}
+
+fn above(text: &str) -> Result<f64, String> {
+    angle(text).and_then(|angle| {
+        if (0.0..90.0).contains(&angle) { Ok(angle) } else { Err("the light is above the surface: from 0 to below 90 degrees".into()) }
     })
 }

@@ -6,6 +6,7 @@ mod claims;
 mod errata;
 mod eval;
 mod list;
+mod plot;
 mod sample_test;
 mod table;
 
@@ -28,6 +29,7 @@ pub fn run(common: &Common, command: &Bsdf) -> Outcome {
         Bsdf::Table(Table { errata: true, .. }) => errata::run(common),
         Bsdf::Table(Table { claims: true, .. }) => claims::run(common),
         Bsdf::Table(Table { form, .. }) => table::run(common, (*form).into()),
+        Bsdf::Plot(arguments) => plot::run(common, arguments),
         Bsdf::SampleTest(arguments) => sample_test::run(common, arguments),
     }
 }

@@ -26,6 +26,7 @@ pub mod ggx;
 pub mod htsg;
 pub mod lafortune;
 pub mod lambert;
+pub mod merl;
 pub mod minnaert;
 pub mod oren_nayar;
 pub mod phong;
@@ -68,6 +69,7 @@ const ALL: &[&ModelEntry] = &[
     &lafortune::MODEL,
     &ggx::MODEL,
     &principled::MODEL,
+    &merl::MODEL,
 ];
 
 /// Every model.

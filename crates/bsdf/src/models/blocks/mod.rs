@@ -2,6 +2,7 @@
 
 pub mod distribution;
 pub mod fresnel;
+pub mod half_vectors;
 pub mod highlight;
 pub mod highlight_shading;
 pub mod masking;

@@ -85,3 +85,43 @@ fn plots_are_numbers_and_pictures() {
     assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(run(folder.path(), &words("bsdf plot -o out")).status.code(), Some(2), "a plot of nothing");
 }
+
+#[test]
+fn fit_finds_parameters_writes_a_material_and_says_what_is_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = json(
+        folder.path(),
+        &words("bsdf fit --model blinn-phong --to phong --to-param kd=0.3 ks=0.2 n=20 --starts 4 --metric log -o material.kajo.toml"),
+    );
+    let value = |name: &str| found["params"][name].as_array().map_or_else(|| found["params"][name].as_f64(), |c| c[0].as_f64()).unwrap();
+    assert!((value("kd") - 0.3).abs() < 0.03 && value("n") > 40.0 && found["relative_rms"].as_f64().unwrap() < 0.3, "{found}");
+    assert_eq!(found["by_theta_i"].as_array().unwrap().len(), 6);
+    // What was written is a scene's material.
+    let material = std::fs::read_to_string(folder.path().join("material.kajo.toml")).unwrap();
+    let asset = here().join("../../assets/still-life.gltf");
+    let scene = format!("[[asset]]\nfile = {:?}\n\n{}", asset, material.replace("fitted-blinn-phong", "brass"));
+    std::fs::write(folder.path().join("scene.kajo.toml"), scene).unwrap();
+    succeed(folder.path(), &words("info scene.kajo.toml"));
+    // A table of the command's own values.
+    let mut table = "theta_i,phi_i,theta_r,phi_r,f\n".to_owned();
+    for theta in ["0", "30", "60"] {
+        table += &format!("{theta},0,20,0,{}\n", 0.5 / std::f64::consts::PI);
+    }
+    std::fs::write(folder.path().join("grey.csv"), &table).unwrap();
+    let grey = json(folder.path(), &words("bsdf fit --model lambert --table grey.csv"));
+    assert!((grey["free"][0]["value"].as_f64().unwrap() - 0.5).abs() < 1e-9, "{grey}");
+    std::fs::write(folder.path().join("wrong.csv"), table + "95,0,20,0,1\n").unwrap();
+    for (line, code, says) in [
+        ("bsdf fit --model lambert --table wrong.csv", 1, "line 5 of the table: an inclination is 95°"),
+        ("bsdf fit --model lambert --table absent.csv", 1, "cannot use absent.csv"),
+        ("bsdf fit --model lambert --to phong --free kx", 2, "no parameter is called \"kx\""),
+        ("bsdf fit --model lambert --to phong --lobes 2", 2, "has no lobes"),
+        ("bsdf fit --model lambert", 2, "--to"),
+        ("bsdf fit --model lambert --to phong --noise 2", 2, "a relative error is a number from 0 to 1"),
+    ] {
+        let output = run(folder.path(), &words(line));
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{line}: {stderr}");
+        assert!(stderr.contains(says), "{line}: no `{says}` in {stderr}");
+    }
+}

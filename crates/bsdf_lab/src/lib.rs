@@ -7,6 +7,7 @@ pub mod checks;
 mod claims;
 mod errata;
 pub mod figures;
+pub mod fit;
 pub mod plot;
 mod quadrature;
 mod table;

@@ -27,6 +27,8 @@ pub enum Bsdf {
     Plot(Plot),
     /// Check that samples follow their density, and that value and density give the albedo
     SampleTest(SampleTest),
+    /// Fit a model's numbers to another model or to a table of values
+    Fit(Box<Fit>),
 }
 
 /// One model with parameters, or all models with their defaults.
@@ -116,7 +118,7 @@ pub struct SampleTest {
 }
 
 /// A model with parameters.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct ModelChoice {
     /// Model id: see `kajo bsdf list`
     #[arg(long, value_name = "ID")]
@@ -181,6 +183,59 @@ pub struct Albedo {
     /// Samples of the sampled estimate
     #[arg(long, value_name = "N", default_value = "100000", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000))]
     pub samples: u32,
+}
+
+/// `kajo bsdf fit`.
+#[derive(Debug, Args)]
+pub struct Fit {
+    /// What is fitted, and where it starts.
+    #[command(flatten)]
+    pub model: ModelChoice,
+    /// The model to fit to, over light at 0°, 15° … 75° and viewer at 0°, 10° … 80°
+    #[arg(long, value_name = "ID", required_unless_present = "table", conflicts_with = "table")]
+    pub to: Option<String>,
+    /// A parameter of the model to fit to. Repeatable
+    #[arg(long = "to-param", value_name = "NAME=VALUE", num_args = 1.., value_parser = pair, requires = "to")]
+    pub to_params: Vec<(String, String)>,
+    /// A table to fit to: theta_i,phi_i,theta_r,phi_r,f in degrees and 1/sr, or f_r,f_g,f_b for colours
+    #[arg(long, value_name = "FILE.csv")]
+    pub table: Option<PathBuf>,
+    /// Parameters to change [default: every number]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub free: Vec<String>,
+    /// Lobes of Phong's shape to start with, for models of lobes
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub lobes: Option<u32>,
+    /// Keep lobes isotropic, C_x = C_y
+    #[arg(long)]
+    pub isotropic: bool,
+    /// Make small: errors times both cosines, or errors of the logarithm
+    #[arg(long, value_enum, default_value = "cos")]
+    pub metric: Metric,
+    /// How many starts: the values given, and random ones
+    #[arg(long, value_name = "N", default_value = "16", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub starts: u32,
+    /// Relative error to add to the values of the target, for trials
+    #[arg(long, value_name = "X", default_value = "0", value_parser = noise)]
+    pub noise: f64,
+    /// Random numbers start here
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub seed: u64,
+    /// Write the material for a scene in .kajo.toml
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// What a fit makes small.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+#[allow(missing_docs, reason = "the names say it")]
+pub enum Metric {
+    Cos,
+    Log,
+}
+
+fn noise(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|noise| (0.0..=1.0).contains(noise)).ok_or_else(|| "a relative error is a number from 0 to 1".into())
 }
 
 fn pair(text: &str) -> Result<(String, String), String> {

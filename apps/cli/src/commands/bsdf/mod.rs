@@ -5,6 +5,7 @@ mod check;
 mod claims;
 mod errata;
 mod eval;
+mod fit;
 mod list;
 mod plot;
 mod sample_test;
@@ -31,6 +32,7 @@ pub fn run(common: &Common, command: &Bsdf) -> Outcome {
         Bsdf::Table(Table { form, .. }) => table::run(common, (*form).into()),
         Bsdf::Plot(arguments) => plot::run(common, arguments),
         Bsdf::SampleTest(arguments) => sample_test::run(common, arguments),
+        Bsdf::Fit(arguments) => fit::run(common, arguments),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Fits a model's numbers to another model or to measured values: nonlinear least squares by Levenberg and Marquardt from many starts.
 //!
 //! The unknowns are the model's parameters, each mapped to [0, 1] such that its default lies in the middle, so that a roughness and an exponent of
-//! up to a million are searched alike and no step leaves a range. \[Lafortune97] fits so; \[Falski04], 4.4.5.
+//! up to a million are searched alike and no step leaves a range. So \[Lafortune97] fit their lobes, also to other models, as \[Falski04] reports.
 
 mod metric;
 mod report;

@@ -65,8 +65,6 @@ pub struct Draw {
     pub base_vertex: i32,
     /// How the surface covers what is behind it.
     pub coverage: Coverage,
-    /// False for unlit surfaces: they are seen, but light passes them.
-    pub casts_shadow: bool,
 }
 
 /// How a surface covers what is behind it.

@@ -2,10 +2,12 @@
 
 use super::scenes::*;
 use crate::{FrameSettings, RoleSelection};
-use glam::{Affine3A, Quat, UVec2, Vec3};
+use glam::{Affine2, Affine3A, Quat, UVec2, Vec3};
 use kajo_path_tracer::Aov;
 use kajo_render_graph::Device;
-use kajo_scene::{LightShape, Scene, builtin, shapes};
+use kajo_scene::{
+    AlphaMode, ColorSpace, Filter, LightShape, Material, Scene, Texels, Texture, TextureImage, TextureRef, Wrap, builtin, shapes,
+};
 use kajo_units::{Meters, Radians};
 
 /// Objects over a floor under one light.
@@ -56,6 +58,42 @@ fn shadow_maps_agree_with_rays_off_the_border() {
         let shadowed = pixels.iter().filter(|p| rays(p.x, p.y) < 0.5).count();
         assert!(pixels.len() > 10_000 && shadowed > 500, "{name}: {} pixels, {shadowed} in shadow", pixels.len());
         assert!(share >= 0.995, "{name}: {share}, {} pixels\n{}", wrong.len(), wrong[..wrong.len().min(12)].join("\n"));
+    }
+}
+
+/// Masks cast the shadow of what they cover at their own cutoff, and unlit surfaces block light: maps and rays alike.
+#[test]
+fn masks_and_unlit_surfaces_cast_shadows_as_in_the_path_tracer() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(96, 96);
+    let mut scene = Scene::default();
+    place(&mut scene, shapes::floor(4.0, 4.0, 1.0), lambert(0.7), Affine3A::IDENTITY);
+    // Alpha 90, 110 and 255 in a row: a cutoff of 0.4 lies between the first two, the usual 0.5 above both.
+    let texels = [90u8, 110, 255].map(|alpha| [255, 255, 255, alpha]).to_vec();
+    scene.images.push(TextureImage { name: String::new(), width: 3, height: 1, texels: Texels::Rgba8(texels) }.into());
+    scene.textures.push(Texture { image: 0, wrap: [Wrap::Clamp; 2], filter: Filter::Nearest, color_space: ColorSpace::Srgb });
+    let base = TextureRef { texture: 0, uv_set: 0, transform: Affine2::IDENTITY };
+    let mask = Material { base_color_texture: Some(base), alpha_mode: AlphaMode::Mask(0.4), ..lambert(0.5) };
+    let flat = |x: f32| Affine3A::from_rotation_translation(Quat::from_rotation_x(-0.5 * std::f32::consts::PI), Vec3::new(x, 0.8, 0.0));
+    place(&mut scene, shapes::rectangle(0.9, 0.9), mask, flat(-0.7));
+    place(&mut scene, shapes::rectangle(0.6, 0.6), Material { unlit: true, ..lambert(0.5) }, flat(0.7));
+    light(&mut scene, LightShape::Point, 1.0, Vec3::new(0.0, 2.5, 0.3), Vec3::NEG_Y);
+    camera(&mut scene, PERSPECTIVE, Vec3::new(0.0, 1.2, 3.4), Vec3::new(0.0, 0.2, 0.0));
+    let reference = reference(&scene, START, None, size, 1, vec![Aov::Visibility("*".into()), Aov::InstanceId]);
+    let rays = |x, y| reference.image("visibility.light 0").unwrap().pixels.get(x, y).x;
+    let on_floor = |p: &UVec2| reference.image("instance-id").unwrap().pixels.get(p.x, p.y).x == 0.0;
+    let pixels: Vec<UVec2> = off_border(&rays, size).into_iter().filter(on_floor).collect();
+    let shadowed = pixels.iter().filter(|p| rays(p.x, p.y) < 0.5).count();
+    assert!(pixels.len() > 2000 && shadowed > 100, "{} pixels of floor, {shadowed} in shadow", pixels.len());
+    for (technique, params) in [("shadow/map", vec![("kernel", "0")]), ("shadow/map", Vec::new()), ("shadow/ray-traced", Vec::new())] {
+        let out = frame(&device, &scene, size, technique, &params);
+        let wrong: Vec<_> = pixels.iter().filter(|p| (out.visibility[0].get(p.x, p.y) - rays(p.x, p.y)).abs() > 0.5).collect();
+        assert!(
+            wrong.len() * 200 <= pixels.len(),
+            "{technique} {params:?}: {} of {} pixels, {shadowed} in shadow",
+            wrong.len(),
+            pixels.len()
+        );
     }
 }
 

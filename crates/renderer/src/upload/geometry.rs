@@ -134,7 +134,6 @@ fn draws(current: &Snapshot, scene: &Scene, ranges: &[MeshRange]) -> Vec<Draw> {
                     AlphaMode::Mask(_) => Coverage::Mask,
                     AlphaMode::Blend => Coverage::Blend,
                 },
-                casts_shadow: material.is_none_or(|material| !material.unlit),
             }
         })
         .collect()

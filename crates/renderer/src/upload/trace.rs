@@ -52,13 +52,8 @@ impl TraceScene {
     }
 }
 
-/// Bits of an instance that rays ask for, as in trace.wesl.
-fn mask_of(geometry: &Geometry, instance: usize) -> u32 {
-    if geometry.draws[instance].casts_shadow { SEEN | CASTS_SHADOW } else { SEEN }
-}
-
-const SEEN: u32 = 1;
-const CASTS_SHADOW: u32 = 2;
+/// Bits of an instance that rays ask for, as in trace.wesl: seen, and in the way of light. Unlit surfaces block light too, as in the path tracer.
+const MASK: u32 = 1 | 2;
 
 /// True where a hit on the instance needs no look at its material.
 fn is_opaque(geometry: &Geometry, instance: usize) -> bool {
@@ -125,7 +120,7 @@ fn ray_query(device: &Device, snapshot: &Snapshot, geometry: &Geometry) -> Trace
         }
         let row = |r: usize| [m.matrix3.x_axis[r], m.matrix3.y_axis[r], m.matrix3.z_axis[r], m.translation[r]];
         let rows = [row(0), row(1), row(2)];
-        tlas[index] = Some(wgpu::TlasInstance::new(blas, bytemuck::cast(rows), index as u32, mask_of(geometry, index) as u8));
+        tlas[index] = Some(wgpu::TlasInstance::new(blas, bytemuck::cast(rows), index as u32, MASK as u8));
     }
     let mut encoder = device.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("acceleration structures") });
     encoder.build_acceleration_structures(entries.iter(), [&tlas]);
@@ -163,7 +158,7 @@ fn compute(device: &Device, snapshot: &Snapshot, geometry: &Geometry, old: &[(Ar
         .enumerate()
         .map(|(index, instance)| BvhInstance {
             opaque: is_opaque(geometry, index),
-            mask: mask_of(geometry, index),
+            mask: MASK,
             ..BvhInstance::new(instance.mesh, instance.world_from_object)
         })
         .collect();

@@ -167,7 +167,7 @@ impl ShadowMap {
                 ..Default::default()
             });
             // A lamp stands around its own centre, and must not block what it shines at.
-            let casts = |draw: &Draw| draw.casts_shadow && !frame.lights[layer].is(draw.instance);
+            let casts = |draw: &Draw| !frame.lights[layer].is(draw.instance);
             self.opaque.set(pass.device, &mut render, &frame.shared, &own)?;
             frame.draw(&mut render, |draw| casts(draw) && draw.coverage == Coverage::Opaque);
             if frame.draws.iter().any(|draw| casts(draw) && draw.coverage != Coverage::Opaque) {

@@ -18,6 +18,9 @@ const DEEPEST: u32 = 14;
 /// Cells that a narrow peak is in are halved at least this often, or the rule could step over it.
 const DEPTH_AT_PEAKS: u32 = 9;
 
+/// Cells that no peak is in are halved at most this often, or the steps of a table would be followed for ever.
+const DEEPEST_ELSEWHERE: u32 = 10;
+
 /// A part of the hemisphere: θ and φ from and to, rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
@@ -75,7 +78,7 @@ fn refine(cell: Cell, coarse: DVec3, peaks: &[(f64, f64)], tolerance: f64, depth
     let parts = cell.quarters().map(|part| (part, part.rule(f)));
     let fine = parts.iter().fold(DVec3::ZERO, |sum, (_, value)| sum + *value);
     let settled = (fine - coarse).abs().max_element() <= tolerance && (peaks.is_empty() || depth >= DEPTH_AT_PEAKS) && depth >= 2;
-    if settled || depth >= DEEPEST {
+    if settled || depth >= DEEPEST || (peaks.is_empty() && depth >= DEEPEST_ELSEWHERE) {
         return fine;
     }
     parts

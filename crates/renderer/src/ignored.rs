@@ -17,6 +17,15 @@ pub(crate) fn find(scene: &Scene, snapshot: &Snapshot, camera: usize, direct_ble
         if transmits(material) {
             say(place(), "KHR_materials_transmission", "real-time: light does not pass the surface, what lies behind is not seen");
         }
+        if let Some(model) = &material.model
+            && model.entry.wesl.is_none()
+        {
+            say(
+                place(),
+                model.entry.title,
+                "real-time: tables of files are not evaluated; a matt surface of the same albedo at normal incidence stands in",
+            );
+        }
         if material.alpha_mode == AlphaMode::Blend {
             let consequence = "real-time: blended surfaces are lit without shadows, and sorted by mesh only";
             let missing = "real-time: this adapter cannot blend 32-bit floats, blended surfaces are not drawn";

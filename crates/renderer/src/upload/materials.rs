@@ -63,7 +63,7 @@ fn pack(scene: &Scene, material: &Material) -> GpuMaterial {
         iridescence_thickness_max: material.iridescence_thickness[1],
         alpha_mode,
         flags: if material.unlit { GpuMaterial::UNLIT } else { 0 } | if material.double_sided { GpuMaterial::DOUBLE_SIDED } else { 0 },
-        model: material.model.as_ref().map_or(0, |model| models::number(model.entry)),
+        model: material.model.as_ref().filter(|model| model.entry.wesl.is_some()).map_or(0, |model| models::number(model.entry)),
         padding: 0,
         constants: constants(material),
         textures: textures.map(|texture| texture_ref(scene, texture.as_ref())),

@@ -4,7 +4,6 @@
 //! `docs/conventions.md`.
 
 mod any;
-mod classic;
 mod fresnel;
 mod layered;
 mod material;
@@ -16,7 +15,6 @@ mod thin_film;
 mod vector;
 
 pub use any::{AnyBsdf, AnyBsdfView, ModelView};
-pub use classic::{blinn_phong, lambert, phong, phong_lobe};
 pub use fresnel::{
     f0_from_ior, fresnel_conductor, fresnel_dielectric, fresnel_schlick, fresnel_schlick_average, ior_from_f0, schlick_weight,
 };

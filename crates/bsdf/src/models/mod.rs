@@ -7,6 +7,8 @@ mod counting;
 mod geometry;
 mod lobe;
 mod model;
+#[cfg(test)]
+mod optics_tests;
 mod quadrature;
 pub mod radiometry;
 mod real;

@@ -134,3 +134,9 @@ fn lafortune_is_robust() {
         ],
     );
 }
+
+/// A lobe with exponent 0 reflects everywhere, beside a narrow one that does not: all of it is sampled.
+#[test]
+fn a_lobe_of_exponent_zero_is_sampled_beside_a_narrow_one() {
+    assert_sampled_albedo("lafortune", &[("kd", "0"), ("ks", "0.2"), ("lobe", "0,0,1,0"), ("lobe", "-1,-1,1,200")], 40_000);
+}

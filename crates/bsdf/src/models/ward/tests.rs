@@ -141,3 +141,18 @@ fn printed_forms_have_another_width_and_scale() {
     let expected = (-2.0 * (1.0 - h.z * h.z) / (0.15 * 0.15) / ((1.0 + h.z) * norm)).exp() / root;
     assert!((printed - expected).abs() < 1e-12, "{printed} {expected}");
 }
+
+/// Row BR-23: the density is Walter's, p = exp(−tan²δ (cos²φ/m_x² + sin²φ/m_y²))/(4π m_x m_y (h·o) cos³δ), with the slopes of the model itself.
+#[test]
+fn the_models_own_density_is_the_published_one() {
+    let (mx, my) = (0.1, 0.4);
+    let ward = model("ward", &[("kd", "0"), ("ks", "1"), ("mx", "0.1"), ("my", "0.4")], Form::Corrected);
+    for (_, angles) in SETS {
+        let (wi, wo) = directions(angles);
+        let h = (wi + wo).normalize();
+        let exponent = ((h.x / mx).powi(2) + (h.y / my).powi(2)) / h.z.powi(2);
+        let expected = (-exponent).exp() / (4.0 * std::f64::consts::PI * mx * my * h.dot(wo) * h.z.powi(3));
+        let found = ward.pdf(wi, wo);
+        assert!((found - expected).abs() <= 1e-9 * expected + 1e-300, "{angles:?}: {found} instead of {expected}");
+    }
+}

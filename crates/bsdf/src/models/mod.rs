@@ -5,6 +5,7 @@
 
 mod counting;
 mod geometry;
+mod lanes;
 mod lobe;
 mod model;
 #[cfg(test)]
@@ -41,6 +42,7 @@ pub mod ward;
 
 pub use counting::{Counted, CountedMask, Operations};
 pub use geometry::Geometry;
+pub use lanes::Instructions;
 pub use lobe::{Lobe, MOST_LOBES, Mixture};
 pub use model::{Claims, Evaluate, Form, Kind, Made, Model, ModelEntry, ModelError, Parameters, Reflectance, diffuse_and, make};
 pub use quadrature::{Hemisphere, gauss_legendre};

@@ -1,12 +1,13 @@
 //! What a reflectance model is: parameters as data, an equation over any number, the lobes it is sampled from; and the same without types,
 //! for code that iterates over all models.
 
-use super::{Counted, Geometry, Lobe, Mixture, Operations, Real, Rgb, Scalar, V3};
+use super::lanes::Wide;
+use super::{Counted, Geometry, Instructions, Lobe, Mixture, Operations, Real, Rgb, Scalar, V3};
 use glam::{DVec3, Vec3};
 use kajo_params::{ParamError, ParamSet, ParamSpec, ParamValues};
 use std::f64::consts::FRAC_1_PI;
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Which form of an equation whose print has a defect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -134,7 +135,7 @@ pub trait Evaluate<T: Real>: Copy + Send + Sync + 'static {
 /// A model in Rust's types. [`make`] makes the rest of it.
 pub trait Model: Sized + 'static {
     /// Parameters with their ranges.
-    type Params: ParamSet;
+    type Params: ParamSet + Send + Sync;
     /// The equation, with what does not depend on directions worked out.
     type Formula<T: Real>: Evaluate<T>;
     /// What its value means.
@@ -184,7 +185,19 @@ pub trait Reflectance: Send + Sync {
     /// [`Reflectance::value`] in the precision of images.
     fn value_f32(&self, wi: Vec3, wo: Vec3) -> Vec3;
     /// [`Reflectance::value_f32`] of many pairs; all three slices have the same length. The fastest way there is.
-    fn values_f32(&self, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]);
+    fn values_f32(&self, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
+        self.values_by(Instructions::detect(), wi, wo, out);
+    }
+    /// [`Reflectance::values_f32`] by instructions of one's choice, for who compares them. Models of other code than formulas go pair by pair.
+    ///
+    /// # Panics
+    /// When the processor has not got them.
+    fn values_by(&self, _instructions: Instructions, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
+        assert!(wi.len() == wo.len() && wo.len() == out.len(), "one value a pair: {} {} {}", wi.len(), wo.len(), out.len());
+        for ((wi, wo), out) in wi.iter().zip(wo).zip(out) {
+            *out = self.value_f32(*wi, *wo);
+        }
+    }
     /// A direction to the light for three random numbers in [0, 1); `None` where the sample has weight 0.
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<DVec3>;
     /// [`Reflectance::sample`] in the precision of images.
@@ -235,6 +248,9 @@ pub fn make<M: Model>(values: &ParamValues, form: Form) -> Made {
         single: M::formula(&params, form),
         counted: M::formula(&params, form),
         ambient: DVec3::from_array(M::ambient(&params)),
+        wide: Default::default(),
+        params,
+        form,
     }))
 }
 
@@ -243,6 +259,10 @@ struct Prepared<M: Model> {
     single: M::Formula<f32>,
     counted: M::Formula<Counted>,
     ambient: DVec3,
+    /// By [`Instructions`]; made when many values are first asked for.
+    wide: [OnceLock<Wide<M>>; 3],
+    params: M::Params,
+    form: Form,
 }
 
 /// The value, or 0 where a direction is not above the surface.
@@ -276,10 +296,13 @@ impl<M: Model> Reflectance for Prepared<M> {
         above(&self.single, wi.into(), wo.into()).into()
     }
 
-    fn values_f32(&self, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
+    fn values_by(&self, instructions: Instructions, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
         assert!(wi.len() == wo.len() && wo.len() == out.len(), "one value a pair: {} {} {}", wi.len(), wo.len(), out.len());
-        for ((wi, wo), out) in wi.iter().zip(wo).zip(out) {
-            *out = self.value_f32(*wi, *wo);
+        let wide = self.wide[instructions as usize].get_or_init(|| Wide::new(&self.params, self.form, instructions));
+        if !wide.values(wi, wo, out) {
+            for ((wi, wo), out) in wi.iter().zip(wo).zip(out) {
+                *out = self.value_f32(*wi, *wo);
+            }
         }
     }
 

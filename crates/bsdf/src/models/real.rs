@@ -24,6 +24,11 @@ pub trait Real:
 
     /// The nearest number to a constant.
     fn of(value: f64) -> Self;
+    /// self·factor + addend, rounded once where the hardware does that as fast.
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        self * factor + addend
+    }
     fn sqrt(self) -> Self;
     fn exp(self) -> Self;
     fn ln(self) -> Self;

@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 
 /// Values at the ends of the ranges as often as between them; `None` where they do not go together.
-fn random_model(entry: &ModelEntry, rng: &mut Rng) -> Option<Arc<dyn Reflectance>> {
+pub(super) fn random_model(entry: &ModelEntry, rng: &mut Rng) -> Option<Arc<dyn Reflectance>> {
     let mut values = ParamValues::defaults(entry.params);
     for spec in entry.params {
         let mut number = |min: f64, max: f64| {

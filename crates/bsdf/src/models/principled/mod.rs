@@ -154,13 +154,6 @@ impl Reflectance for Principled {
         if above { self.bsdf.f_cos(wo, wi).total().0 / wi.z } else { Vec3::ZERO }
     }
 
-    fn values_f32(&self, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
-        assert!(wi.len() == wo.len() && wo.len() == out.len(), "one value a pair: {} {} {}", wi.len(), wo.len(), out.len());
-        for ((wi, wo), out) in wi.iter().zip(wo).zip(out) {
-            *out = self.value_f32(*wi, *wo);
-        }
-    }
-
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<DVec3> {
         // A number near 1 must not become 1.
         let u = u.map(|u| (u as f32).min(1.0 - f32::EPSILON / 2.0));

@@ -34,6 +34,7 @@ pub mod minnaert;
 pub mod oren_nayar;
 pub mod phong;
 pub mod principled;
+pub mod rgl;
 pub mod schlick;
 pub mod schlick_cook_torrance;
 pub mod strauss;
@@ -74,6 +75,7 @@ const ALL: &[&ModelEntry] = &[
     &ggx::MODEL,
     &principled::MODEL,
     &merl::MODEL,
+    &rgl::MODEL,
 ];
 
 /// Every model.

@@ -125,3 +125,54 @@ fn fit_finds_parameters_writes_a_material_and_says_what_is_wrong() {
         assert!(stderr.contains(says), "{line}: no `{says}` in {stderr}");
     }
 }
+
+/// Row GI-42: from a table in MERL's format, and from a formula, to a material of a scene.
+#[test]
+fn factor_writes_a_model_and_says_what_is_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let params = [("kd", "0.3,0.2,0.1"), ("ks", "0.4"), ("m", "0.25")];
+    let ward = kajo_bsdf::models::find("ward").unwrap().from_pairs(&params, kajo_bsdf::models::Form::Corrected).unwrap();
+    kajo_bsdf::models::merl::Table::of_model(&*ward).write(folder.path().join("ward.binary").to_str().unwrap()).unwrap();
+    let number = |json: &serde_json::Value| json["f_cos"][1].as_f64().unwrap();
+    let angles = "--theta-i 35 --theta-r 50 --phi-r 170";
+    let expected = number(&json(here(), &words(&format!("bsdf eval --model ward --param kd=0.3,0.2,0.1 ks=0.4 m=0.25 {angles}"))));
+    for (method, source) in [
+        ("nmf --terms 3 --inner 2", "merl --param file=ward.binary"),
+        ("tucker --terms 2 --passes 3", "merl --param file=ward.binary"),
+        ("tucker", "ward --param kd=0.3,0.2,0.1 ks=0.4 m=0.25"),
+    ] {
+        let report = json(folder.path(), &words(&format!("bsdf factor --model {source} --method {method} -o out.factors")));
+        let steps = report["steps"].as_array().unwrap();
+        let errors: Vec<f64> = steps.iter().map(|step| step["cos_rms"].as_f64().unwrap()).collect();
+        assert!(errors.len() > 2 && errors.windows(2).all(|pair| pair[1] < pair[0]), "{method}: {report}");
+        assert!(report["ratio"].as_f64().unwrap() > 50.0 && report["isotropic"] == true, "{report}");
+        let size = std::fs::metadata(folder.path().join("out.factors")).unwrap().len();
+        assert!(size.abs_diff(report["factor_bytes"].as_u64().unwrap()) < 200, "{size} {report}");
+        let id = words(method)[0];
+        let value = number(&json(folder.path(), &words(&format!("bsdf eval --model {id} --param file=out.factors {angles}"))));
+        assert!((value - expected).abs() < 0.05 * expected, "{method}: {value} instead of {expected}");
+        let scene = format!(
+            "[[asset]]\nfile = {:?}\n\n[[material]]\nname = \"brass\"\nmodel = \"{id}\"\n\n[material.params]\nfile = \"out.factors\"\n",
+            here().join("../../assets/still-life.gltf")
+        );
+        std::fs::write(folder.path().join("scene.kajo.toml"), scene).unwrap();
+        succeed(folder.path(), &words("info scene.kajo.toml"));
+    }
+    let table = succeed(folder.path(), &words("bsdf factor --model phong --method tucker --terms 1 --passes 3 -o phong.factors"));
+    assert!(table.contains("rms of f cos θi") && table.contains("times less; written to phong.factors"), "{table}");
+    for (line, code, says) in [
+        ("bsdf factor --model ambient --method nmf -o x", 1, "cannot factor model `ambient`: the model is black"),
+        ("bsdf factor --model phong --method nmf --passes 2 -o x", 2, "method nmf has no --passes"),
+        ("bsdf factor --model phong --method tucker --sweeps 2 -o x", 2, "method tucker has no --sweeps"),
+        ("bsdf factor --model phong --method tucker --terms 17 -o x", 2, "at most 16"),
+        ("bsdf factor --model phong --method nmf --terms 0 -o x", 2, "0 is not in 1..=64"),
+        ("bsdf factor --model phong --method nmf --terms 1 --sweeps 1 -o absent/x", 1, "absent does not exist"),
+        ("bsdf eval --model nmf --param file=out.factors --theta-i 1 --theta-r 1", 1, "begins with \"kajo-tucker 1\""),
+        ("bsdf eval --model tucker --theta-i 1 --theta-r 1", 2, "`file` is not given"),
+    ] {
+        let output = run(folder.path(), &words(line));
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{line}: {stderr}");
+        assert!(stderr.contains(says), "{line}: no `{says}` in {stderr}");
+    }
+}

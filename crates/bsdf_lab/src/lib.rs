@@ -6,6 +6,7 @@ mod albedo;
 pub mod checks;
 mod claims;
 mod errata;
+pub mod factor;
 pub mod figures;
 pub mod fit;
 pub mod plot;

@@ -29,6 +29,8 @@ pub enum Bsdf {
     SampleTest(SampleTest),
     /// Fit a model's numbers to another model or to a table of values
     Fit(Box<Fit>),
+    /// Factor a model, of a formula or measured, into functions of one angle, for models nmf and tucker
+    Factor(Factor),
 }
 
 /// One model with parameters, or all models with their defaults.
@@ -224,6 +226,40 @@ pub struct Fit {
     /// Write the material for a scene in .kajo.toml
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
+}
+
+/// `kajo bsdf factor`.
+#[derive(Debug, Args)]
+pub struct Factor {
+    /// What is factored.
+    #[command(flatten)]
+    pub model: ModelChoice,
+    /// Without negative numbers, or as a tensor and its residuals
+    #[arg(long, value_enum)]
+    pub method: Method,
+    /// Functions of the viewer (nmf), or functions of each angle in a pass (tucker) [default: 4 for nmf, 2 for tucker]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub terms: Option<u32>,
+    /// Products of functions of the half vector for each function of the viewer; nmf only [default: 2]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
+    pub inner: Option<u32>,
+    /// Tensors: that of the values, then of what is left, and so on; tucker only [default: 4]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub passes: Option<u32>,
+    /// Improvements after each term; nmf only [default: 100]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub sweeps: Option<u32>,
+    /// The file, for --param file=FILE
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// How to factor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the names say it")]
+pub enum Method {
+    Nmf,
+    Tucker,
 }
 
 /// What a fit makes small.

@@ -25,12 +25,14 @@ pub mod ashikhmin_shirley;
 pub mod blinn_phong;
 pub mod blocks;
 pub mod cook_torrance;
+pub mod factored;
 pub mod ggx;
 pub mod htsg;
 pub mod lafortune;
 pub mod lambert;
 pub mod merl;
 pub mod minnaert;
+pub mod nmf;
 pub mod oren_nayar;
 pub mod phong;
 pub mod principled;
@@ -39,6 +41,7 @@ pub mod schlick;
 pub mod schlick_cook_torrance;
 pub mod strauss;
 pub mod torrance_sparrow;
+pub mod tucker;
 pub mod ward;
 
 pub use counting::{Counted, CountedMask, Operations};
@@ -76,6 +79,8 @@ const ALL: &[&ModelEntry] = &[
     &principled::MODEL,
     &merl::MODEL,
     &rgl::MODEL,
+    &nmf::MODEL,
+    &tucker::MODEL,
 ];
 
 /// Every model.

@@ -8,6 +8,8 @@ mod sampling;
 pub use furnace::{Furnace, furnace};
 pub use reciprocity::{Reciprocity, reciprocity};
 pub use robustness::{Robustness, robustness};
+#[cfg(test)]
+pub(crate) use sampling::test_against;
 pub use sampling::{SamplingTest, sampling_test};
 
 use glam::DVec3;

@@ -5,6 +5,7 @@ mod check;
 mod claims;
 mod errata;
 mod eval;
+mod factor;
 mod fit;
 mod list;
 mod plot;
@@ -33,6 +34,7 @@ pub fn run(common: &Common, command: &Bsdf) -> Outcome {
         Bsdf::Plot(arguments) => plot::run(common, arguments),
         Bsdf::SampleTest(arguments) => sample_test::run(common, arguments),
         Bsdf::Fit(arguments) => fit::run(common, arguments),
+        Bsdf::Factor(arguments) => factor::run(common, arguments),
     }
 }
 

@@ -19,30 +19,25 @@ pub fn run(common: &Common, arguments: &Factor) -> Outcome {
     let chosen = choose(&arguments.model)?;
     let table =
         Table::of_model(&*chosen.model).map_err(|error| Failure::run(format!("cannot factor model `{}`: {error}", chosen.entry.id)))?;
-    progress::watch_for_interrupt();
     let bar = progress::bar(common.quiet, "factor");
     let mut steps: Vec<Step> = Vec::new();
-    let mut on_step = |count: usize| {
-        let bar = bar.clone();
-        bar.set_length(count as u64);
-        let steps = &mut steps;
-        move |step: &Step| {
-            steps.push(*step);
-            bar.set_position(step.count as u64);
-            bar.set_message(format!("error {:.4}", step.errors.cos_rms));
-            !progress::interrupted()
-        }
+    let on_step = |step: &Step| {
+        steps.push(*step);
+        bar.set_position(step.count as u64);
+        bar.set_message(format!("error {:.4}", step.errors.cos_rms));
+        !progress::interrupted()
     };
     let (bytes, method) = match arguments.method {
         Method::Nmf => {
             let (outer, inner) = (arguments.terms.unwrap_or(4) as usize, arguments.inner.unwrap_or(2) as usize);
             let options = NmfOptions { outer, inner, sweeps: arguments.sweeps.unwrap_or(100) as usize };
-            (nmf(&table, options, on_step(outer)).to_bytes(), "nmf")
+            bar.set_length(outer as u64);
+            (nmf(&table, options, on_step).to_bytes(), "nmf")
         }
         Method::Tucker => {
-            let passes = arguments.passes.unwrap_or(4) as usize;
-            let options = TuckerOptions { rank: arguments.terms.unwrap_or(2) as usize, passes };
-            (tucker(&table, options, on_step(passes)).to_bytes(), "tucker")
+            let options = TuckerOptions { rank: arguments.terms.unwrap_or(2) as usize, passes: arguments.passes.unwrap_or(4) as usize };
+            bar.set_length(options.passes as u64);
+            (tucker(&table, options, on_step).to_bytes(), "tucker")
         }
     };
     bar.finish_and_clear();

@@ -24,7 +24,7 @@ export RUSTC_BOOTSTRAP=1
 cargo fuzz build --sanitizer none
 
 found=0
-for target in gltf glb obj hdr texture kajo_toml; do
+for target in gltf glb obj hdr texture kajo_toml rgl; do
     echo "fuzz: $target, $limit"
     # shellcheck disable=SC2086 # the words of $limit are arguments
     cargo fuzz run --sanitizer none "$target" "$corpus/$target" -- $limit -timeout=10 -rss_limit_mb=4096 -max_len=65536 -verbosity=0 || found=1

@@ -1,8 +1,10 @@
 //! Writes the seeds of the fuzz targets: small files of every importer, made here.
 //!
-//! `cargo run --example fuzz_seeds -- DIRECTORY` fills DIRECTORY/{gltf,glb,obj,hdr,texture,kajo_toml}.
+//! `cargo run --example fuzz_seeds -- DIRECTORY` fills DIRECTORY/{gltf,glb,obj,hdr,texture,kajo_toml,rgl}.
 
 use base64::{Engine, prelude::BASE64_STANDARD};
+use kajo_bsdf::models::rgl::{Resolution, Symmetry, Table};
+use kajo_bsdf::models::{Form, find};
 use kajo_image::{ExrFile, Image, Layer, write_hdr};
 use kajo_scene::ImportLimits;
 use kajo_scene::gltf::{NoResources, load_gltf_bytes};
@@ -17,7 +19,7 @@ type Outcome = Result<(), Box<dyn std::error::Error>>;
 fn main() -> Outcome {
     let directory = std::env::args().nth(1).ok_or("usage: fuzz_seeds DIRECTORY")?;
     let directory = Path::new(&directory);
-    for target in ["gltf", "glb", "obj", "hdr", "texture", "kajo_toml"] {
+    for target in ["gltf", "glb", "obj", "hdr", "texture", "kajo_toml", "rgl"] {
         fs::create_dir_all(directory.join(target))?;
     }
     gltf(directory)?;
@@ -25,7 +27,8 @@ fn main() -> Outcome {
     basis(directory)?;
     obj(directory)?;
     pictures(directory)?;
-    scene_files(directory)
+    scene_files(directory)?;
+    measured(directory)
 }
 
 fn write(directory: &Path, target: &str, name: &str, bytes: impl AsRef<[u8]>) -> Outcome {
@@ -380,4 +383,15 @@ fn scene_files(directory: &Path) -> Outcome {
     let cameras = "[[camera]]\nname = \"a\"\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\nyfov_deg = 50\naspect = 1.5\nf_number = 2.8\nsensor_height_mm = 24\nfocus_on = [0, 0, 0]\nnear = 0.1\n\
                    [[camera]]\nposition = [0, 0, 1]\nrotate_deg = [1, 2, 3]\northographic_height = 2\nlens_radius = 0.1\nfocus_distance = 3\n";
     write(directory, "kajo_toml", "cameras", cameras)
+}
+
+fn measured(directory: &Path) -> Outcome {
+    let ggx = find("ggx").ok_or("no GGX")?.from_pairs(&[("alpha_x", "0.3"), ("alpha_y", "0.6")], Form::Corrected)?;
+    for (name, phi_i, symmetry) in
+        [("isotropic", 1, Symmetry::None), ("turn", 4, Symmetry::None), ("half", 3, Symmetry::HalfTurn), ("quarter", 3, Symmetry::Mirrors)]
+    {
+        let resolution = Resolution { phi_i, theta_i: 2, normals: [4, 5], samples: 3, symmetry };
+        write(directory, "rgl", name, Table::of_model(&*ggx, resolution).to_bytes())?;
+    }
+    Ok(())
 }

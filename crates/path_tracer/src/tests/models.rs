@@ -3,7 +3,7 @@
 use super::scenes::{Stage, at, floor, render_at, sized};
 use crate::{Integrator, Settings};
 use glam::{DVec3, Vec3};
-use kajo_bsdf::models::{Form, V3, all, find};
+use kajo_bsdf::models::{Form, V3, all, find, merl, rgl};
 use kajo_bsdf_lab::albedo;
 use kajo_scene::{Material, ReflectanceModel, Scene};
 
@@ -56,6 +56,25 @@ fn every_model_reflects_its_albedo_under_a_white_sky() {
             }
         }
     }
+}
+
+/// The same of tables, through their files: Ward as MERL has it, brushed GGX as RGL has it, each from along the tangent.
+#[test]
+fn tables_of_files_reflect_their_albedo_under_a_white_sky() {
+    let folder = std::env::temp_dir();
+    let file = |name: &str| folder.join(format!("kajo-white-sky-{}-{name}", std::process::id())).to_string_lossy().into_owned();
+    let (ward, brushed) = (file("ward.binary"), file("brushed.bsdf"));
+    merl::Table::of_model(&*find("ward").unwrap().from_pairs(&[("m", "0.2")], Form::Corrected).unwrap()).write(&ward).unwrap();
+    let ggx = find("ggx").unwrap().from_pairs(&[("alpha_x", "0.15"), ("alpha_y", "0.5"), ("f0", "0.8")], Form::Corrected).unwrap();
+    let coarse = rgl::Resolution { phi_i: 9, theta_i: 6, normals: [32, 32], samples: 16, ..rgl::Resolution::ANISOTROPIC };
+    rgl::Table::of_model(&*ggx, coarse).write(&brushed).unwrap();
+    for (id, path) in [("merl", &ward), ("rgl", &brushed)] {
+        for (degrees, integrator) in [(20.0, Integrator::Path), (65.0, Integrator::BsdfOnly)] {
+            let off = off(id, &[("file", path)], degrees, integrator);
+            assert!(off < 1.0, "{id} at {degrees}°, {integrator:?}: {off} times the bound");
+        }
+    }
+    [ward, brushed].into_iter().for_each(|path| std::fs::remove_file(path).unwrap());
 }
 
 #[test]

@@ -16,6 +16,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 const LEAST_JACOBIAN: f64 = 1e-12;
 /// What is reflected just above the horizon is not divided by less: in f32 it would be infinite.
 const LEAST_COSINE: f64 = 1e-9;
+/// More than this is no material; a file of absurd numbers would be infinite in f32.
+const MOST_REFLECTED: f64 = 1e30;
 
 /// How a material looks when it is turned, so that a part of the azimuths says everything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,7 +136,7 @@ impl Table {
         let (at, _) = self.data.vndf.invert(&viewer.blend, half.at);
         let color = DVec3::from_array(self.data.color.value(&viewer.blend, at)).max(DVec3::ZERO);
         let scale = if self.data.jacobian { self.scale(viewer.at, half.at) } else { 1.0 };
-        color * (scale / wi.z.max(LEAST_COSINE))
+        (color * (scale / wi.z.max(LEAST_COSINE))).min(DVec3::splat(MOST_REFLECTED))
     }
 
     /// D/(4σ); 0 where the viewer sees nothing.

@@ -258,7 +258,14 @@ fn numbers_stay_finite_and_every_reflection_is_sampled() {
         }))
         .unwrap(),
     );
-    for model in [isotropic(), brushed(), &dark] {
+    let absurd = fields(|fields| {
+        replace(fields, numbers("rgb", &[1, 2, 3, 5, 5], |_| 1e38));
+        replace(fields, numbers("ndf", &[3, 2], |_| 1e38));
+        replace(fields, numbers("sigma", &[2, 3], |_| 1e-38));
+        replace(fields, numbers("vndf", &[1, 2, 3, 4], |i| if i % 12 == 5 { 1e38 } else { 0.0 }));
+    });
+    let absurd = Rgl::new(Table::from_bytes(&absurd).unwrap());
+    for model in [isotropic(), brushed(), &dark, &absurd] {
         if let Some(fault) = fault(model, 40_000) {
             panic!("{fault}");
         }

@@ -165,6 +165,7 @@ fn factor_writes_a_model_and_says_what_is_wrong() {
         ("bsdf factor --model phong --method nmf --passes 2 -o x", 2, "method nmf has no --passes"),
         ("bsdf factor --model phong --method tucker --sweeps 2 -o x", 2, "method tucker has no --sweeps"),
         ("bsdf factor --model phong --method tucker --terms 17 -o x", 2, "at most 16"),
+        ("bsdf factor --model ward --param mx=0.1 my=0.3 --method tucker --terms 16 --passes 17 -o x", 2, "17 passes of rank 16"),
         ("bsdf factor --model phong --method nmf --terms 0 -o x", 2, "0 is not in 1..=64"),
         ("bsdf factor --model phong --method nmf --terms 1 --sweeps 1 -o absent/x", 1, "absent does not exist"),
         ("bsdf eval --model nmf --param file=out.factors --theta-i 1 --theta-r 1", 1, "begins with \"kajo-tucker 1\""),

@@ -5,6 +5,7 @@ use crate::arguments::Common;
 use crate::arguments::bsdf::{Factor, Method};
 use crate::failure::{Failure, Outcome};
 use crate::{output, progress};
+use kajo_bsdf::models::tucker::check_size;
 use kajo_bsdf_lab::factor::{NmfOptions, Step, Table, TuckerOptions, nmf, tucker};
 use serde_json::json;
 
@@ -36,6 +37,7 @@ pub fn run(common: &Common, arguments: &Factor) -> Outcome {
         }
         Method::Tucker => {
             let options = TuckerOptions { rank: arguments.terms.unwrap_or(2) as usize, passes: arguments.passes.unwrap_or(4) as usize };
+            check_size(table.grid, options.rank, options.passes).map_err(Failure::usage)?;
             bar.set_length(options.passes as u64);
             (tucker(&table, options, on_step).to_bytes(), "tucker")
         }

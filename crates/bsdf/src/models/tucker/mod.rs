@@ -58,6 +58,23 @@ fn pass_length(grid: Grid, rank: usize) -> usize {
     ranks.iter().zip(nodes(grid)).map(|(r, n)| r * n).sum::<usize>() + ranks.iter().product::<usize>()
 }
 
+/// Weights of terms by viewer are at most this many: they are multiplied out when a file is read, and few numbers announce many.
+const MOST_WEIGHTS: usize = 1 << 20;
+
+/// Can factors of this size be read again?
+///
+/// # Errors
+/// What is too large, in one sentence.
+pub fn check_size(grid: Grid, rank: usize, passes: usize) -> Result<(), String> {
+    let ranks = ranks(grid, rank);
+    let weights = passes * ranks[3] * ranks[4] * grid.viewers();
+    if weights <= MOST_WEIGHTS {
+        return Ok(());
+    }
+    let (terms, viewers) = (passes * ranks[3] * ranks[4], grid.viewers());
+    Err(format!("{passes} passes of rank {rank} are {terms} terms for {viewers} viewers, {weights} weights; {MOST_WEIGHTS} are the most"))
+}
+
 fn make(values: &ParamValues, _form: Form) -> Made {
     let params = Params::from_values(values);
     if params.file.is_empty() {
@@ -94,9 +111,9 @@ impl Factors {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`ModelError::File`] where it is missing or of another format.
+    /// [`ModelError::File`] where it is missing, of another format or too large.
     pub fn read(path: &str) -> Result<Self, ModelError> {
-        FORMAT.read(path).map(Self::of)
+        Self::of(FORMAT.read(path)?).map_err(|problem| ModelError::File { file: path.to_owned(), problem })
     }
 
     /// From the contents of a file.
@@ -104,11 +121,12 @@ impl Factors {
     /// # Errors
     /// What is wrong with them, in one sentence.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
-        FORMAT.decode(bytes).map(Self::of)
+        Self::of(FORMAT.decode(bytes)?)
     }
 
-    fn of(contents: Contents) -> Self {
+    fn of(contents: Contents) -> Result<Self, String> {
         let Contents { grid, counts, numbers } = contents;
+        check_size(grid, counts[0], counts[1])?;
         let (diffuse, rest) = numbers.split_at(grid.channels);
         let (nodes, ranks) = (nodes(grid), ranks(grid, counts[0]));
         let pass = |mut rest: &[f32]| {
@@ -120,7 +138,7 @@ impl Factors {
             Pass { functions, core: rest.to_vec() }
         };
         let passes = rest.chunks_exact(pass_length(grid, counts[0])).map(pass).collect();
-        Self { grid, diffuse: diffuse.to_vec(), rank: counts[0], passes }
+        Ok(Self { grid, diffuse: diffuse.to_vec(), rank: counts[0], passes })
     }
 
     /// The contents of a file.

@@ -63,6 +63,15 @@ fn a_file_that_is_written_and_read_is_the_same() {
     }
 }
 
+/// 800 kB that would become 24 GB of weights.
+#[test]
+fn few_numbers_that_announce_many_weights_are_refused() {
+    let grid = Grid { theta_o: 4000, phi_o: 4000, ..SMALL[1] };
+    assert!(check_size(SMALL[1], 8, 100).is_ok());
+    let error = Factors::from_bytes(&factors(grid, 8, 0.0).to_bytes()).unwrap_err();
+    assert!(error.starts_with("2 passes of rank 8 are 128 terms for 16000000 viewers"), "{error}");
+}
+
 #[test]
 fn a_model_is_made_from_a_file() {
     let entry = find("tucker").unwrap();

@@ -17,6 +17,9 @@ use std::f64::consts::{FRAC_1_PI, TAU};
 /// would grow without limit there.
 pub const LEAST_COSINE: f64 = 0.02;
 
+/// f is not larger: products of absurd numbers of a file stay finite in f32.
+const MOST: f64 = 1e30;
+
 /// How the terms weigh for a viewer.
 pub trait ViewWeights: Send + Sync + 'static {
     /// w_l(ω_o) in each colour, of any sign.
@@ -116,7 +119,7 @@ impl<W: ViewWeights> Reflectance for Factored<W> {
             sum + self.weights.weight(term, &viewer) * (self.inclinations[u].value(k, t) * self.azimuths[v].value(j, s))
         });
         let cosines = 4.0 * h.dot(wo).max(LEAST_COSINE) * wi.z.max(LEAST_COSINE);
-        (self.diffuse * FRAC_1_PI + q / cosines).max(DVec3::ZERO)
+        (self.diffuse * FRAC_1_PI + q / cosines).clamp(DVec3::ZERO, DVec3::splat(MOST))
     }
 
     fn value_f32(&self, wi: Vec3, wo: Vec3) -> Vec3 {

@@ -1,5 +1,6 @@
 use super::*;
 use crate::models::factored::testing::{SMALL, assert_sampled, random};
+use crate::models::testing::{assert_finite, extreme_pair};
 use crate::models::{Reflectance, V3, find};
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2};
 
@@ -60,6 +61,20 @@ fn a_file_that_is_written_and_read_is_the_same() {
             assert_eq!(Factors::from_bytes(&bytes).unwrap(), factors);
             assert!(bytes.len() < 4 * factors.numbers() + 200 && bytes.len() > 4 * factors.numbers());
         }
+    }
+}
+
+#[test]
+fn absurd_numbers_stay_finite() {
+    let mut absurd = factors(SMALL[0], 2, -0.7);
+    for pass in &mut absurd.passes {
+        pass.functions.iter_mut().chain([&mut pass.core]).flatten().for_each(|v| *v *= 1e30);
+    }
+    let model = Factors::from_bytes(&absurd.to_bytes()).unwrap().into_model();
+    let mut rng = kajo_sampling::Rng::new(4);
+    for k in 0..5_000 {
+        let (wi, wo) = extreme_pair(&mut rng, k);
+        assert_finite(&model, wi, wo);
     }
 }
 

@@ -48,7 +48,7 @@ pub use counting::{Counted, CountedMask, Operations};
 pub use geometry::Geometry;
 pub use lanes::Instructions;
 pub use lobe::{Lobe, MOST_LOBES, Mixture};
-pub use model::{Claims, Evaluate, Form, Kind, Made, Model, ModelEntry, ModelError, Parameters, Reflectance, diffuse_and, make};
+pub use model::{Claims, Evaluate, Form, Kind, Made, Model, ModelEntry, ModelError, Parameters, Reflectance, Task, diffuse_and, make};
 pub use quadrature::{Hemisphere, gauss_legendre};
 pub use real::{Real, Scalar};
 pub use vector::{Rgb, V3};

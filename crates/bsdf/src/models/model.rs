@@ -130,6 +130,19 @@ pub enum ModelError {
 pub trait Evaluate<T: Real>: Copy + Send + Sync + 'static {
     /// The value for directions above the surface: f in 1/sr, or S; see [`Kind`].
     fn value(&self, g: &Geometry<T>) -> Rgb<T>;
+
+    /// Runs a task that evaluates many pairs, with the shortest formula that has these values: what depends on parameters only is decided here, once, and
+    /// what a material does not use takes no registers. Implementations are `#[inline(always)]`.
+    #[inline(always)]
+    fn in_brief(&self, task: impl Task<T>) {
+        task.run(self);
+    }
+}
+
+/// What is done with a formula, whichever it is. Implementations are `#[inline(always)]`.
+pub trait Task<T: Real> {
+    /// Does it.
+    fn run(self, formula: &impl Evaluate<T>);
 }
 
 /// A model in Rust's types. [`make`] makes the rest of it.

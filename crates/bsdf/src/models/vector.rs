@@ -53,7 +53,7 @@ impl<T: Real> V3<T> {
     #[inline(always)]
     #[allow(missing_docs)]
     pub fn dot(self, other: Self) -> T {
-        self.x * other.x + self.y * other.y + self.z * other.z
+        self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
     }
 
     #[inline(always)]
@@ -67,6 +67,12 @@ impl<T: Real> V3<T> {
     pub fn normalized(self) -> Self {
         // Below, the square underflows f32; a half vector that short has no direction.
         self * (T::one() / self.dot(self).max(T::of(1e-36)).sqrt())
+    }
+
+    /// self·factor + addend.
+    #[inline(always)]
+    pub fn mul_add(self, factor: T, addend: Self) -> Self {
+        Self::new(self.x.mul_add(factor, addend.x), self.y.mul_add(factor, addend.y), self.z.mul_add(factor, addend.z))
     }
 
     /// Each component by its own function value.

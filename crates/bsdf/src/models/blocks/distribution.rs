@@ -97,7 +97,10 @@ impl<T: Real> Facets<T> {
     /// Σ w_k D(δ, φ; m_k); 0 for a half vector in the surface.
     #[inline(always)]
     pub fn d(&self, g: &Geometry<T>) -> T {
-        let sum = (1..self.count).fold(self.scales[0].d(self.kind, g), |sum, k| sum + self.scales[k].d(self.kind, g));
+        let mut sum = self.scales[0].d(self.kind, g);
+        if self.count > 1 {
+            sum = sum + self.scales[1].d(self.kind, g);
+        }
         // Below, cos⁴δ underflows in single precision; D of every kind is at its end there.
         T::select(g.h.z.lt(T::of(1e-9)), T::zero(), sum)
     }

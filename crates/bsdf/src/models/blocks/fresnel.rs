@@ -139,14 +139,15 @@ impl<T: Real> Fresnel<T> {
     pub fn at(&self, cos: T) -> Rgb<T> {
         match self.form {
             FresnelForm::None => Rgb::splat(T::one()),
-            FresnelForm::Schlick => {
-                let t = (T::one() - cos).max(T::zero());
-                let t2 = t.squared();
-                self.f + self.one_minus_f * (t2.squared() * t)
-            }
+            FresnelForm::Schlick => Schlicks { f: self.f, one_minus_f: self.one_minus_f }.at(cos),
             FresnelForm::Interpolated => {
                 let mean = conductor(cos, self.eta.x, self.kappa.x);
-                self.f.map(|f| interpolated(f, mean, self.mean[0], self.mean[1]))
+                let [normal, inverse_rest] = self.mean;
+                Rgb::new(
+                    interpolated(self.f.x, mean, normal, inverse_rest),
+                    interpolated(self.f.y, mean, normal, inverse_rest),
+                    interpolated(self.f.z, mean, normal, inverse_rest),
+                )
             }
             FresnelForm::Exact | FresnelForm::Inverted if self.grey => Rgb::splat(conductor(cos, self.eta.x, self.kappa.x)),
             FresnelForm::Exact | FresnelForm::Inverted => Rgb::new(
@@ -157,11 +158,34 @@ impl<T: Real> Fresnel<T> {
         }
     }
 
+    /// The constants of (3.14), where that is the form.
+    #[inline(always)]
+    pub fn schlicks(&self) -> Option<Schlicks<T>> {
+        (self.form == FresnelForm::Schlick).then_some(Schlicks { f: self.f, one_minus_f: self.one_minus_f })
+    }
+
     /// For the GPU's side: [η, form], [κ, f̄], [f, 1/(1 − f̄)].
     pub fn constants(&self) -> [[T; 4]; 3] {
         let form = T::of(f64::from(self.form as u32));
         let row = |v: Rgb<T>, w| [v.x, v.y, v.z, w];
         [row(self.eta, form), row(self.kappa, self.mean[0]), row(self.f, self.mean[1])]
+    }
+}
+
+/// Schlick's approximation (3.14) alone, per channel.
+#[derive(Clone, Copy, Debug)]
+pub struct Schlicks<T> {
+    f: Rgb<T>,
+    one_minus_f: Rgb<T>,
+}
+
+impl<T: Real> Schlicks<T> {
+    /// F(β), `cos` = cos β.
+    #[inline(always)]
+    pub fn at(&self, cos: T) -> Rgb<T> {
+        let t = (T::one() - cos).max(T::zero());
+        let t2 = t.squared();
+        self.one_minus_f.mul_add(t2.squared() * t, self.f)
     }
 }
 

@@ -128,7 +128,10 @@ impl<T: Real> Highlight<T> {
             Shape::Gaussian { factor } => (*factor * t.acos().squared()).min(T::of(LARGEST_EXPONENT)).exp(),
             Shape::Polynomial { inverse_end2, q } => {
                 let x = t.acos().squared() * *inverse_end2;
-                let sum = q.iter().rev().fold(T::zero(), |sum, q| sum * x + *q);
+                let mut sum = T::zero();
+                for q in q.iter().rev() {
+                    sum = sum.mul_add(x, *q);
+                }
                 T::select(T::one().lt(x), T::zero(), (T::one() + x * sum).max(T::zero()))
             }
             Shape::Schlick { n } => schlick(t, *n),

@@ -90,14 +90,15 @@ impl<T: Real> Attenuation<T> {
                 let printed = self.kind == Masking::SmithPrinted;
                 smith_over_cos(ci, self.slope(g.wi), printed) * smith_over_cos(cr, self.slope(g.wo), printed)
             }
-            Masking::Schlick => {
-                let one = |w: V3<T>| {
-                    let k = T::of(FRAC_2_PI.sqrt()) * self.roughness(w);
-                    T::one() / (w.z * (T::one() - k) + k)
-                };
-                one(g.wi) * one(g.wo)
-            }
+            Masking::Schlick => self.schlick_over_cos(g.wi) * self.schlick_over_cos(g.wo),
         }
+    }
+
+    /// Schlick's attenuation (3.4) of one direction over its cosine.
+    #[inline(always)]
+    fn schlick_over_cos(&self, w: V3<T>) -> T {
+        let k = T::of(FRAC_2_PI.sqrt()) * self.roughness(w);
+        T::one() / (w.z * (T::one() - k) + k)
     }
 
     /// m sin θ in the azimuth of `w`.

@@ -47,7 +47,7 @@ impl<T: Real> Lost<T> {
     pub fn at(&self, v: V3<T>) -> T {
         let (x2, y2) = (self.alpha2[0] * v.x.squared(), self.alpha2[1] * v.y.squared());
         let powers = terms(v.z / (x2 + y2 + v.z.squared()).sqrt());
-        let [y, middle, x] = self.fits.map(|c| (0..TERMS).fold(T::zero(), |sum, k| sum + c[k] * powers[k]));
+        let [y, middle, x] = [series(&self.fits[0], &powers), series(&self.fits[1], &powers), series(&self.fits[2], &powers)];
         // Along the normal all three say the same.
         let t = x2 / (x2 + y2).max(T::of(1e-36));
         let (one, two) = (T::one(), T::of(2.0));
@@ -96,6 +96,16 @@ fn terms<T: Real>(s: T) -> [T; TERMS] {
     }
     out[TERMS - 1] = s * s.max(T::of(1e-20)).ln();
     out
+}
+
+/// Σ_k c_k t_k.
+#[inline(always)]
+fn series<T: Real>(c: &[T; TERMS], t: &[T; TERMS]) -> T {
+    let mut sum = T::zero();
+    for k in 0..TERMS {
+        sum = c[k].mul_add(t[k], sum);
+    }
+    sum
 }
 
 /// The coefficients c with the least Σ (Σ_k c_k t_k − y)², by normal equations.

@@ -1,15 +1,17 @@
 //! GGX facets with height-correlated Smith masking, isotropic and anisotropic, with the light between facets if wanted.
 
-use crate::models::blocks::fresnel::{Fresnel, FresnelForm, normal_reflectance};
+use crate::models::blocks::fresnel::{Fresnel, FresnelForm, Schlicks, normal_reflectance};
 use crate::models::blocks::metals::Metal;
-use crate::models::{Evaluate, Form, Geometry, Kind, Lobe, Mixture, Model, ModelEntry, Real, Rgb, Scalar, V3, diffuse_and, make};
+use crate::models::{Evaluate, Form, Geometry, Kind, Lobe, Mixture, Model, ModelEntry, Real, Rgb, Scalar, Task, V3, diffuse_and, make};
 use kajo_params::{ParamChoice, Params};
-use std::f64::consts::{FRAC_1_PI, PI};
+use std::f64::consts::FRAC_1_PI;
 
+mod facets;
 mod lost;
 #[cfg(test)]
 mod tests;
 
+use facets::Facets;
 use lost::Lost;
 
 /// The registry's entry.
@@ -80,12 +82,11 @@ pub struct Params {
 /// f = F D V + M (1 − E(θ_i))(1 − E(θ_r)).
 #[derive(Clone, Copy, Debug)]
 pub struct Formula<T> {
+    facets: Facets<T>,
     fresnel: Fresnel<T>,
     alpha: [T; 2],
-    alpha2: [T; 2],
-    inverse_alpha2: [T; 2],
-    /// 1/(π α_x α_y).
-    d_scale: T,
+    isotropic: bool,
+    gives_back: bool,
     /// F_ms/(π (1 − Ē)), or 0.
     multiple: Rgb<T>,
     /// Mean of F_ms, or 0.
@@ -93,23 +94,36 @@ pub struct Formula<T> {
     lost: Lost<T>,
 }
 
-impl<T: Real> Formula<T> {
-    /// √(α_x² v_x² + α_y² v_y² + v_z²)
-    #[inline(always)]
-    fn stretched(&self, v: V3<T>) -> T {
-        (self.alpha2[0] * v.x.squared() + self.alpha2[1] * v.y.squared() + v.z.squared()).sqrt()
-    }
-}
-
 impl<T: Real> Evaluate<T> for Formula<T> {
     #[inline(always)]
     fn value(&self, g: &Geometry<T>) -> Rgb<T> {
-        let spread = g.h.x.squared() * self.inverse_alpha2[0] + g.h.y.squared() * self.inverse_alpha2[1] + g.h.z.squared();
-        let d = self.d_scale / spread.squared();
-        // V = G2/(4 cos θ_i cos θ_r). Two directions in the surface would give 1/0.
-        let visibility = T::of(0.5) / (g.cos_i() * self.stretched(g.wo) + g.cos_r() * self.stretched(g.wi)).max(T::of(1e-20));
-        let multiple = self.lost.at(g.wi) * self.lost.at(g.wo);
-        self.fresnel.at(g.cos_beta) * (d * visibility) + self.multiple * multiple
+        let (cos_beta, facets) = self.facets.at::<false>(g);
+        let single = self.fresnel.at(cos_beta) * facets;
+        if self.gives_back { self.multiple.mul_add(self.lost.at(g.wi) * self.lost.at(g.wo), single) } else { single }
+    }
+
+    #[inline(always)]
+    fn in_brief(&self, task: impl Task<T>) {
+        match self.fresnel.schlicks() {
+            Some(fresnel) if !self.gives_back && self.isotropic => task.run(&Brief::<T, true> { facets: self.facets, fresnel }),
+            Some(fresnel) if !self.gives_back => task.run(&Brief::<T, false> { facets: self.facets, fresnel }),
+            _ => task.run(self),
+        }
+    }
+}
+
+/// What most materials are: Schlick's reflectance, and nothing is given back.
+#[derive(Clone, Copy, Debug)]
+struct Brief<T, const ISOTROPIC: bool> {
+    facets: Facets<T>,
+    fresnel: Schlicks<T>,
+}
+
+impl<T: Real, const ISOTROPIC: bool> Evaluate<T> for Brief<T, ISOTROPIC> {
+    #[inline(always)]
+    fn value(&self, g: &Geometry<T>) -> Rgb<T> {
+        let (cos_beta, facets) = self.facets.at::<ISOTROPIC>(g);
+        self.fresnel.at(cos_beta) * facets
     }
 }
 
@@ -160,11 +174,11 @@ impl Model for Ggx {
         let color =
             fresnel_average(&fresnel(params)).map(|f| if multiple_scattering { f * f * (1.0 - lost) / (1.0 - f * lost) } else { 0.0 });
         Formula {
+            facets: Facets::new(alpha_x, alpha_y),
             fresnel: fresnel(params),
             alpha: [alpha_x, alpha_y].map(T::of),
-            alpha2: [alpha_x, alpha_y].map(|a| T::of(a * a)),
-            inverse_alpha2: [alpha_x, alpha_y].map(|a| T::of(1.0 / (a * a))),
-            d_scale: T::of(1.0 / (PI * alpha_x * alpha_y)),
+            isotropic: alpha_x == alpha_y,
+            gives_back: multiple_scattering,
             // Facets that lose nothing give nothing back.
             multiple: Rgb::of(color.map(|f| f * FRAC_1_PI / lost.max(1e-6))),
             multiple_weight: T::of(color.iter().sum::<f64>() / 3.0),
@@ -181,8 +195,8 @@ impl Model for Ggx {
     }
 
     fn constants(formula: &Formula<f32>) -> Vec<f32> {
-        let m = formula.multiple;
-        let mut out = vec![formula.alpha2[0], formula.alpha2[1], formula.d_scale, 0.0, m.x, m.y, m.z, 0.0];
+        let (m, [alpha_x2, alpha_y2, d_scale]) = (formula.multiple, formula.facets.constants());
+        let mut out = vec![alpha_x2, alpha_y2, d_scale, 0.0, m.x, m.y, m.z, 0.0];
         out.extend(formula.fresnel.constants().into_iter().flatten());
         out.extend(formula.lost.fits.as_flattened());
         out

@@ -91,7 +91,7 @@ struct Side<T> {
 }
 
 impl<T: Real> Formula<T> {
-    #[inline]
+    #[inline(always)]
     fn side(&self, w: V3<T>) -> Side<T> {
         let sin = (w.x.squared() + w.y.squared()).sqrt().max(T::of(1e-6));
         let rho = self.tau / (T::of(2.0) * self.sigma0 * sin);
@@ -106,7 +106,7 @@ impl<T: Real> Formula<T> {
     }
 
     /// The parts for a light and a viewer.
-    #[inline]
+    #[inline(always)]
     pub fn parts(&self, g: &Geometry<T>) -> Parts<T> {
         let (light, viewer) = (self.side(g.wi), self.side(g.wo));
         let x = mean_level((light.k + viewer.k) * T::of(1.0 / (8.0 * PI).sqrt()));
@@ -119,13 +119,13 @@ impl<T: Real> Formula<T> {
     }
 
     /// g = ((2πσ/λ)(cos θ_i + cos θ_r))² for the cosines' sum.
-    #[inline]
+    #[inline(always)]
     fn phase(&self, wave: T, sigma: T, cosines: T) -> T {
         (wave * sigma * cosines).squared()
     }
 
     /// D of (3.26) for one wave number.
-    #[inline]
+    #[inline(always)]
     pub fn distribution(&self, g: &Geometry<T>, wave: T, sigma: T) -> T {
         let (x, y) = (g.wi.x + g.wo.x, g.wi.y + g.wo.y);
         let scale = (wave * self.tau).squared();
@@ -141,23 +141,33 @@ impl<T: Real> Formula<T> {
 }
 
 /// x = z0/σ0, the mean level of the surface that is seen: x exp(x²/2) = `f`, by Newton's method.
-#[inline]
+#[inline(always)]
 pub fn mean_level<T: Real>(f: T) -> T {
     let low = f.le(T::one());
     let start = (T::of(2.0) * T::select(low, T::one(), f).ln()).sqrt();
-    (0..8).fold(T::select(low, f, start), |x, _| {
+    let mut x = T::select(low, f, start);
+    for _ in 0..8 {
         let bump = f * (T::of(-0.5) * x.squared()).exp();
-        x - (x - bump) / (T::one() + x * bump)
-    })
+        x = x - (x - bump) / (T::one() + x * bump);
+    }
+    x
 }
 
 impl<T: Real> Evaluate<T> for Formula<T> {
-    #[inline]
+    #[inline(always)]
     fn value(&self, g: &Geometry<T>) -> Rgb<T> {
         let parts = self.parts(g);
         let scale = T::of(FRAC_1_PI) * parts.visibility;
-        let scattered = self.per_wavelength(|wave| self.distribution(g, wave, parts.sigma) * parts.geometry * scale);
-        self.uniform + self.fresnel.at(g.cos_beta).times(scattered)
+        let mut scattered = [T::zero(); 3];
+        let wavelengths = if self.grey { 1 } else { 3 };
+        for k in 0..wavelengths {
+            scattered[k] = self.distribution(g, self.wave[k], parts.sigma) * parts.geometry * scale;
+        }
+        if self.grey {
+            scattered = [scattered[0]; 3];
+        }
+        let [r, g_, b] = scattered;
+        self.uniform + self.fresnel.at(g.cos_beta).times(Rgb::new(r, g_, b))
     }
 }
 

@@ -16,11 +16,14 @@ const ROUGH: f64 = 24.0;
 /// Beyond g + 12 √g + 40 terms nothing is left.
 const MOST_TERMS: u32 = 123;
 
+/// Factors of a term that are smaller count for nothing in single precision; their products would underflow.
+const LEAST_FACTOR: f64 = 1e-18;
+
 /// Nodes below and above the saddle, in steps of ¾ of its width; the upper tail is the heavier one.
 const NODES: (i32, i32) = (-8, 11);
 
 /// The sum, `g` ≥ 0 and `b` ≥ 0.
-#[inline]
+#[inline(always)]
 pub fn diffraction_sum<T: Real>(g: T, b: T) -> T {
     let rough = T::of(ROUGH).le(g);
     let few = if T::any(!rough) { by_terms(g.min(T::of(ROUGH)), b) } else { T::zero() };
@@ -28,13 +31,13 @@ pub fn diffraction_sum<T: Real>(g: T, b: T) -> T {
     T::select(rough, many, few)
 }
 
-#[inline]
+#[inline(always)]
 fn by_terms<T: Real>(g: T, b: T) -> T {
     let (mut poisson, mut sum) = ((-g).exp(), T::zero());
     for order in 1..=MOST_TERMS {
         let inverse = T::of(1.0 / f64::from(order));
-        poisson = poisson * g * inverse;
-        sum = sum + poisson * inverse * (-b * inverse).exp();
+        poisson = (poisson * g * inverse).flushed(LEAST_FACTOR);
+        sum = sum + poisson * inverse * (-b * inverse).exp().flushed(LEAST_FACTOR);
         // Past 2g, what follows is less than this term without its exponential.
         let left = (sum * T::of(1e-10)).lt(poisson * inverse);
         if !T::any(left | T::of(0.5 * f64::from(order)).lt(g)) {
@@ -44,7 +47,7 @@ fn by_terms<T: Real>(g: T, b: T) -> T {
     sum
 }
 
-#[inline]
+#[inline(always)]
 fn about_saddle<T: Real>(g: T, b: T) -> T {
     // Largest exponent: ln(m/g) = b/m². Newton's steps end near enough.
     let mut saddle = g + (b / g).min(b.sqrt());
@@ -61,18 +64,21 @@ fn about_saddle<T: Real>(g: T, b: T) -> T {
         let inverse = T::one() / m;
         let stirling = inverse * (T::of(1.0 / 12.0) - inverse.squared() * T::of(1.0 / 360.0));
         let exponent = m * ln_1p_minus((g - m) * inverse) - b * inverse - stirling;
-        let term = exponent.exp() * inverse * (inverse * T::of(1.0 / TAU)).sqrt();
+        let term = exponent.exp().flushed(LEAST_FACTOR) * inverse * (inverse * T::of(1.0 / TAU)).sqrt();
         sum = sum + T::select(node.lt(T::of(0.5)), T::zero(), term);
     }
     sum * step
 }
 
 /// ln(1 + r) − r for r > −1, with all digits for small r: from ln(1 + r) = 2 artanh s and r = 2s/(1 − s), s = r/(2 + r).
-#[inline]
+#[inline(always)]
 fn ln_1p_minus<T: Real>(r: T) -> T {
     let s = r / (T::of(2.0) + r);
     let s2 = s.squared();
-    let odd = [13.0, 11.0, 9.0, 7.0, 5.0, 3.0].into_iter().fold(T::zero(), |sum, n| sum * s2 + T::of(1.0 / n));
+    let mut odd = T::zero();
+    for n in [13.0, 11.0, 9.0, 7.0, 5.0, 3.0] {
+        odd = odd.mul_add(s2, T::of(1.0 / n));
+    }
     let near = T::of(2.0) * s2 * (s * odd - T::one() / (T::one() - s));
     let far = (T::one() + r).max(T::of(1e-30)).ln() - r;
     T::select(s.abs().lt(T::of(0.125)), near, far)

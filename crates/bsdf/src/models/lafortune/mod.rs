@@ -85,7 +85,10 @@ pub struct Formula<T> {
 impl<T: Real> Evaluate<T> for Formula<T> {
     #[inline(always)]
     fn value(&self, g: &Geometry<T>) -> Rgb<T> {
-        let sum = self.lobes[..self.count].iter().fold(T::zero(), |sum, lobe| sum + lobe.value(g.wi, g.wo));
+        let mut sum = T::zero();
+        for lobe in &self.lobes[..self.count] {
+            sum = sum + lobe.value(g.wi, g.wo);
+        }
         self.diffuse + self.scale * sum
     }
 }

@@ -1,7 +1,7 @@
 //! Eight lanes: AVX2 and FMA.
 
 use super::register::register;
-use super::{Lanes, functions};
+use super::{Lanes, Values, functions};
 use crate::models::{Evaluate, Real, V3};
 use glam::Vec3;
 use std::arch::x86_64::*;
@@ -19,7 +19,7 @@ pub(in crate::models) struct Mask(__m256);
 pub(super) fn values(formula: &impl Evaluate<Avx2>, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
     #[target_feature(enable = "avx2,fma")]
     fn with_features(formula: &impl Evaluate<Avx2>, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
-        super::values(formula, wi, wo, out);
+        formula.in_brief(Values { wi, wo, out });
     }
     // SAFETY: a formula over `Avx2` exists only where the processor has the instructions; see `Lanes`.
     unsafe { with_features(formula, wi, wo, out) }
@@ -139,6 +139,12 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn or_zero(self, mask: Mask) -> Self {
+        // SAFETY: the processor has the instruction; see `Lanes`.
+        Self(unsafe { _mm256_and_ps(self.0, mask.0) })
+    }
+
+    #[inline(always)]
     fn load(from: &[Vec3]) -> V3<Self> {
         assert!(from.len() >= 8, "{} vectors", from.len());
         let from = from.as_ptr().cast::<f32>();
@@ -169,10 +175,10 @@ impl Lanes for Avx2 {
             let a = _mm256_shuffle_ps::<0b10_00_10_00>(xy, zx);
             let b = _mm256_shuffle_ps::<0b11_01_10_00>(yz, xy);
             let c = _mm256_shuffle_ps::<0b11_01_11_01>(zx, yz);
-            for (k, row) in [a, b, c].into_iter().enumerate() {
-                _mm_storeu_ps(to.add(4 * k), _mm256_castps256_ps128(row));
-                _mm_storeu_ps(to.add(4 * k + 12), _mm256_extractf128_ps::<1>(row));
-            }
+            // Lower halves first, then upper ones.
+            _mm256_storeu_ps(to, _mm256_permute2f128_ps::<0x20>(a, b));
+            _mm256_storeu_ps(to.add(8), _mm256_permute2f128_ps::<0x30>(c, a));
+            _mm256_storeu_ps(to.add(16), _mm256_permute2f128_ps::<0x31>(b, c));
         }
     }
 }

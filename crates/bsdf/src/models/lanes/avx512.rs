@@ -1,7 +1,7 @@
 //! Sixteen lanes: AVX-512 F.
 
 use super::register::register;
-use super::{Lanes, functions};
+use super::{Lanes, Values, functions};
 use crate::models::{Evaluate, Real, V3};
 use glam::Vec3;
 use std::arch::x86_64::*;
@@ -19,7 +19,7 @@ pub(in crate::models) struct Mask(__mmask16);
 pub(super) fn values(formula: &impl Evaluate<Avx512>, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
     #[target_feature(enable = "avx512f,avx2,fma")]
     fn with_features(formula: &impl Evaluate<Avx512>, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
-        super::values(formula, wi, wo, out);
+        formula.in_brief(Values { wi, wo, out });
     }
     // SAFETY: a formula over `Avx512` exists only where the processor has the instructions; see `Lanes`.
     unsafe { with_features(formula, wi, wo, out) }
@@ -181,6 +181,12 @@ impl Lanes for Avx512 {
         let index = self.max(Self::zero()).min(Self::of((table.len() - 1) as f64));
         // SAFETY: the processor has the instructions, see `Lanes`; the maximum and the minimum leave nothing outside the table, and of NaN make 0.
         Self(unsafe { _mm512_i32gather_ps::<4>(_mm512_cvttps_epi32(index.0), table.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn or_zero(self, mask: Mask) -> Self {
+        // SAFETY: the processor has the instruction; see `Lanes`.
+        Self(unsafe { _mm512_maskz_mov_ps(mask.0, self.0) })
     }
 
     #[inline(always)]

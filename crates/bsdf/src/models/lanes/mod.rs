@@ -14,7 +14,7 @@ mod register;
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests;
 
-use super::{Evaluate, Form, Geometry, Model, Real, Rgb, V3};
+use super::{Evaluate, Form, Geometry, Model, Real, Rgb, Task, V3};
 use glam::Vec3;
 
 /// The instructions that [`Reflectance::values_f32`](super::Reflectance::values_f32) uses.
@@ -120,6 +120,8 @@ trait Lanes: Real {
     fn with_sign_of(self, sign: Self) -> Self;
     /// `table[self]` for integers; others are moved to the nearest index there is.
     fn of_table(self, table: &[f32]) -> Self;
+    /// `self` where the mask is set, else 0.
+    fn or_zero(self, mask: Self::Mask) -> Self;
     /// The first [`Lanes::WIDTH`] vectors.
     fn load(from: &[Vec3]) -> V3<Self>;
     /// Writes the first [`Lanes::WIDTH`] vectors.
@@ -128,20 +130,30 @@ trait Lanes: Real {
 
 /// The values of all pairs; 0 unless both directions are above the surface.
 #[cfg(target_arch = "x86_64")]
-#[inline(always)]
-fn values<L: Lanes>(formula: &impl Evaluate<L>, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
-    let whole = wi.len() / L::WIDTH * L::WIDTH;
-    let blocks = wi[..whole].chunks_exact(L::WIDTH).zip(wo[..whole].chunks_exact(L::WIDTH));
-    for ((wi, wo), out) in blocks.zip(out[..whole].chunks_exact_mut(L::WIDTH)) {
-        block(formula, wi, wo, out);
-    }
-    let left = wi.len() - whole;
-    if left > 0 {
-        let [mut last_wi, mut last_wo, mut last_out] = [[Vec3::ZERO; 16]; 3];
-        last_wi[..left].copy_from_slice(&wi[whole..]);
-        last_wo[..left].copy_from_slice(&wo[whole..]);
-        block(formula, &last_wi, &last_wo, &mut last_out);
-        out[whole..].copy_from_slice(&last_out[..left]);
+struct Values<'a> {
+    wi: &'a [Vec3],
+    wo: &'a [Vec3],
+    out: &'a mut [Vec3],
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L: Lanes> Task<L> for Values<'_> {
+    #[inline(always)]
+    fn run(self, formula: &impl Evaluate<L>) {
+        let Self { wi, wo, out } = self;
+        let whole = wi.len() / L::WIDTH * L::WIDTH;
+        let blocks = wi[..whole].chunks_exact(L::WIDTH).zip(wo[..whole].chunks_exact(L::WIDTH));
+        for ((wi, wo), out) in blocks.zip(out[..whole].chunks_exact_mut(L::WIDTH)) {
+            block(formula, wi, wo, out);
+        }
+        let left = wi.len() - whole;
+        if left > 0 {
+            let [mut last_wi, mut last_wo, mut last_out] = [[Vec3::ZERO; 16]; 3];
+            last_wi[..left].copy_from_slice(&wi[whole..]);
+            last_wo[..left].copy_from_slice(&wo[whole..]);
+            block(formula, &last_wi, &last_wo, &mut last_out);
+            out[whole..].copy_from_slice(&last_out[..left]);
+        }
     }
 }
 
@@ -151,5 +163,5 @@ fn block<L: Lanes>(formula: &impl Evaluate<L>, wi: &[Vec3], wo: &[Vec3], out: &m
     let (wi, wo) = (L::load(wi), L::load(wo));
     let above = L::zero().lt(wi.z) & L::zero().lt(wo.z);
     let value: Rgb<L> = formula.value(&Geometry::new(wi, wo));
-    L::store(value.map(|v| L::select(above, v, L::zero())), out);
+    L::store(V3::new(value.x.or_zero(above), value.y.or_zero(above), value.z.or_zero(above)), out);
 }

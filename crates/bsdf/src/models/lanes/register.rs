@@ -26,6 +26,10 @@ macro_rules! register {
                 Self(unsafe { $splat(value as f32) })
             }
             #[inline(always)]
+            fn flushed(self, least: f64) -> Self {
+                self.or_zero(Self::of(least).le(self))
+            }
+            #[inline(always)]
             fn mul_add(self, factor: Self, addend: Self) -> Self {
                 // SAFETY: the processor has the instruction; see `Lanes`.
                 Self(unsafe { $fmadd(self.0, factor.0, addend.0) })

@@ -49,6 +49,9 @@ fn worst<L: Lanes>(f: impl Fn(L, L) -> L, exact: impl Fn(f64, f64) -> f64, pairs
                 [x, y],
             );
         }
+        if exact.abs() < f64::from(f32::MIN_POSITIVE) && found == 0.0 {
+            return (0.0, [x, y]);
+        }
         let ulp = exact.abs().max(floor).max(f64::from(f32::MIN_POSITIVE)).log2().floor().exp2() * 2_f64.powi(-23);
         ((f64::from(found) - exact).abs() / ulp, [x, y])
     });

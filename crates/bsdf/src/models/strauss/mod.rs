@@ -68,6 +68,12 @@ pub fn attenuation<T: Real>(x: T) -> T {
     ((T::of(at_1) - T::one() / (x - T::of(K_G)).squared()) * T::of(1.0 / (at_1 - at_0))).clamp(0.0, 1.0)
 }
 
+/// x = θ/(π/2) of (4.9) to (4.11).
+#[inline(always)]
+fn share_of_right_angle<T: Real>(cos: T) -> T {
+    cos.clamp(0.0, 1.0).acos() * T::of(FRAC_2_PI)
+}
+
 /// The equation with what does not depend on angles; see doc.md.
 #[derive(Clone, Copy, Debug)]
 pub struct Formula<T> {
@@ -91,8 +97,7 @@ impl<T: Real> Formula<T> {
     /// The highlight of S.
     #[inline(always)]
     pub fn specular(&self, g: &Geometry<T>) -> Rgb<T> {
-        let share = |cos: T| cos.clamp(0.0, 1.0).acos() * T::of(FRAC_2_PI);
-        let (xi, xr) = (share(g.cos_i()), share(g.cos_r()));
+        let (xi, xr) = (share_of_right_angle(g.cos_i()), share_of_right_angle(g.cos_r()));
         let f = fresnel(xi);
         let b = f * attenuation(xi) * attenuation(xr);
         let s_a = (self.strength + (self.strength + T::of(K_B)) * b).min(T::one());

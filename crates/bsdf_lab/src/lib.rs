@@ -3,6 +3,7 @@
 //! Everything here works on [`kajo_bsdf::models::Reflectance`], so a model that is registered is measured without a line here.
 
 mod albedo;
+pub mod bench;
 pub mod checks;
 mod claims;
 mod errata;

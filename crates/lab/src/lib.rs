@@ -10,6 +10,7 @@ mod host;
 pub mod html;
 pub mod judge;
 mod measure;
+pub mod model_cost;
 mod options;
 mod plan;
 mod progress;

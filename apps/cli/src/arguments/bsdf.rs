@@ -27,6 +27,8 @@ pub enum Bsdf {
     Plot(Plot),
     /// Check that samples follow their density, and that value and density give the albedo
     SampleTest(SampleTest),
+    /// What a call costs: one by one and many at once, in nanoseconds and in operations, beside the survey's measurements
+    Bench(Bench),
     /// Fit a model's numbers to another model or to a table of values
     Fit(Box<Fit>),
     /// Factor a model, of a formula or measured, into functions of one angle, for models nmf and tucker
@@ -117,6 +119,26 @@ pub struct SampleTest {
     /// Random numbers start here
     #[arg(long, value_name = "N", default_value = "0")]
     pub seed: u64,
+}
+
+/// `kajo bsdf bench`.
+#[derive(Debug, Args)]
+pub struct Bench {
+    /// Model ids, separated by commas [default: every model]
+    #[arg(long, value_name = "ID", value_delimiter = ',')]
+    pub model: Vec<String>,
+    /// Every model that needs no file
+    #[arg(long, conflicts_with = "model")]
+    pub all: bool,
+    /// A parameter of the model, where one is chosen. Repeatable
+    #[arg(long = "param", value_name = "NAME=VALUE", num_args = 1.., value_parser = pair, requires = "model")]
+    pub params: Vec<(String, String)>,
+    /// Calls of each kind for each model, rounded up to whole sets of inputs
+    #[arg(long, value_name = "N", default_value = "100000000", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
+    pub calls: u64,
+    /// Also on the graphics processor, where one answers
+    #[arg(long)]
+    pub gpu: bool,
 }
 
 /// A model with parameters.

@@ -1,6 +1,7 @@
 //! `kajo bsdf`: one file a subcommand.
 
 mod albedo;
+mod bench;
 mod check;
 mod claims;
 mod errata;
@@ -33,6 +34,7 @@ pub fn run(common: &Common, command: &Bsdf) -> Outcome {
         Bsdf::Table(Table { form, .. }) => table::run(common, (*form).into()),
         Bsdf::Plot(arguments) => plot::run(common, arguments),
         Bsdf::SampleTest(arguments) => sample_test::run(common, arguments),
+        Bsdf::Bench(arguments) => bench::run(common, arguments),
         Bsdf::Fit(arguments) => fit::run(common, arguments),
         Bsdf::Factor(arguments) => factor::run(common, arguments),
     }

@@ -86,6 +86,39 @@ fn plots_are_numbers_and_pictures() {
     assert_eq!(run(folder.path(), &words("bsdf plot -o out")).status.code(), Some(2), "a plot of nothing");
 }
 
+/// Rows BR-37 and BR-39: one command makes every picture, its numbers and the page.
+#[test]
+fn the_gallery_is_one_command_and_one_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let gallery = json(folder.path(), &words("bsdf plot --gallery --width 120 --spp 2 -o out"));
+    let plates: Vec<&serde_json::Value> =
+        gallery["sections"].as_array().unwrap().iter().flat_map(|section| section["plates"].as_array().unwrap()).collect();
+    let figures = [
+        "2.1", "2.2", "2.3", "2.4", "2.5", "3.3", "3.4", "3.5", "3.6", "3.7", "3.8", "3.9", "4.1", "4.2", "4.3", "4.4", "4.5", "4.6", "4.7",
+    ];
+    let ids = figures.map(|number| format!("figure_{number}"));
+    for id in ids.iter().map(String::as_str).chain(["floor"]) {
+        assert!(plates.iter().any(|plate| plate["id"] == id), "{id}");
+    }
+    let page = std::fs::read_to_string(folder.path().join("out/index.html")).unwrap();
+    for plate in plates {
+        assert!(page.contains(&format!("id=\"{}\"", plate["id"].as_str().unwrap())), "{}", plate["id"]);
+        for shown in plate["shown"].as_array().unwrap() {
+            let image = shown["image"].as_str().unwrap();
+            assert!(page.contains(&format!("src=\"{image}\"")) && !shown["alt"].as_str().unwrap().is_empty(), "{image}");
+        }
+    }
+    for file in gallery["files"].as_array().unwrap() {
+        assert!(folder.path().join("out").join(file.as_str().unwrap()).metadata().unwrap().len() > 0, "{file}");
+    }
+    let png = std::fs::read(folder.path().join("out/figure_2.3.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG"));
+    assert_eq!(run(folder.path(), &words("bsdf plot --gallery --figure 2.2 -o out")).status.code(), Some(2));
+    assert_eq!(run(folder.path(), &words("bsdf plot --figure 2.2 --spp 4 -o out")).status.code(), Some(2));
+    let output = run(folder.path(), &words("bsdf plot --gallery -o out/index.html"));
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
 #[test]
 fn fit_finds_parameters_writes_a_material_and_says_what_is_wrong() {
     let folder = tempfile::tempdir().unwrap();

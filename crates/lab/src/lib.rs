@@ -23,3 +23,4 @@ pub use error::LabError;
 pub use experiment::compare;
 pub use options::{CompareOptions, ReferenceStop};
 pub use progress::{Progress, Unwatched};
+pub use staging::Staging;

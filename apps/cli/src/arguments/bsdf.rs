@@ -23,7 +23,7 @@ pub enum Bsdf {
     Check(Check),
     /// What the literature claims of the models beside what is measured
     Table(Table),
-    /// Draw curves: the survey's figures, or the lobes of a model, as CSV, SVG and PNG
+    /// Draw: the survey's curves, the lobes of a model, or a gallery of every picture with a page that shows it
     Plot(Plot),
     /// Check that samples follow their density, and that value and density give the albedo
     SampleTest(SampleTest),
@@ -65,7 +65,7 @@ pub struct Table {
 
 /// `kajo bsdf plot`.
 #[derive(Debug, Args)]
-#[command(group(clap::ArgGroup::new("what").args(["figure", "curves"]).required(true).multiple(true)))]
+#[command(group(clap::ArgGroup::new("what").args(["figure", "curves", "gallery"]).required(true).multiple(true)))]
 pub struct Plot {
     /// Figures of the survey, separated by commas
     #[arg(long, value_name = "N", value_delimiter = ',', value_parser = kajo_bsdf_lab::figures::SURVEY_FIGURES)]
@@ -82,6 +82,15 @@ pub struct Plot {
     /// Inclinations of the light from the normal, a lobe for each
     #[arg(long, value_name = "DEG", value_delimiter = ',', default_value = "0,30,60", value_parser = above)]
     pub theta_i: Vec<f64>,
+    /// Every picture of the models with what is measured on it, path traced, and a page: takes minutes
+    #[arg(long, conflicts_with_all = ["figure", "curves"])]
+    pub gallery: bool,
+    /// Width of the gallery's pictures in pixels [default: 1000]
+    #[arg(long, value_name = "PX", requires = "gallery", value_parser = clap::value_parser!(u32).range(100..=8000))]
+    pub width: Option<u32>,
+    /// Samples per pixel of the gallery's pictures [default: 32]
+    #[arg(long, value_name = "N", requires = "gallery", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub spp: Option<u32>,
     /// Folder of the files
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,

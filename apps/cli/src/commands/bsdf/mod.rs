@@ -8,6 +8,7 @@ mod errata;
 mod eval;
 mod factor;
 mod fit;
+mod gallery;
 mod list;
 mod plot;
 mod sample_test;

@@ -1,6 +1,6 @@
 //! `kajo bsdf plot`: curves as numbers and as pictures.
 
-use super::{entry, prepare};
+use super::{entry, gallery, prepare};
 use crate::arguments::Common;
 use crate::arguments::bsdf::Plot;
 use crate::failure::Outcome;
@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 
 /// Writes a CSV, an SVG and a PNG file for each figure and lists them.
 pub fn run(common: &Common, arguments: &Plot) -> Outcome {
+    if arguments.gallery {
+        return gallery::run(common, arguments);
+    }
     let mut figures: Vec<Figure> = arguments.figure.iter().filter_map(|number| survey_figure(number)).collect();
     if let Some(id) = &arguments.curves {
         let chosen = prepare(entry(id)?, &arguments.params, arguments.form)?;

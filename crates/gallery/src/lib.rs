@@ -13,6 +13,7 @@ mod lobes;
 mod page;
 mod plates;
 mod probe;
+mod series;
 mod stage;
 mod studio;
 mod survey;
@@ -84,7 +85,12 @@ fn contents() -> Vec<(&'static str, &'static str, Vec<(f64, String, Make)>)> {
         (
             "Shapes and energy",
             "Where models send light, and how much.",
-            vec![(1.5, "lobes".into(), Box::new(lobes::plate)), (1.0, "furnace".into(), Box::new(furnace::plate))],
+            vec![
+                (1.5, "lobes".into(), Box::new(lobes::plate)),
+                (1.0, "furnace".into(), Box::new(furnace::plate)),
+                (0.05, "off-specular peaks".into(), Box::new(series::off_specular)),
+                (1.0, "albedo maps".into(), Box::new(series::albedo_maps)),
+            ],
         ),
     ]
 }

@@ -5,7 +5,7 @@ use crate::stage::Stage;
 use base64::Engine;
 use glam::UVec2;
 use kajo_bsdf_lab::figures::Figure;
-use kajo_bsdf_lab::plot;
+use kajo_bsdf_lab::plot::{self, Map};
 use kajo_image::{ExrFile, Image, Layer, ToneMap, encode_png, tone_map};
 use kajo_path_tracer::{Frame, Settings, Stop, render};
 use kajo_units::{LinearRgb, Srgb8};
@@ -159,6 +159,17 @@ impl<'a> Studio<'a> {
         let files = ["svg", "png", "csv"].map(|ending| format!("{stem}.{ending}")).into();
         let curves: Vec<&str> = figure.curves.iter().map(|curve| curve.name.as_str()).collect();
         let alt = format!("Plot. {}. {} over {}. Curves: {}.", figure.title, figure.axes[1], figure.axes[0], curves.join(", "));
+        Ok(Shown { image: format!("{stem}.svg"), alt, files, wide: false })
+    }
+
+    /// A map as numbers, vectors and pixels.
+    pub fn map(&mut self, map: &Map) -> Result<Shown, GalleryError> {
+        let stem = &map.name;
+        self.write(&format!("{stem}.csv"), map.csv().as_bytes())?;
+        self.write(&format!("{stem}.svg"), plot::map_svg(map).as_bytes())?;
+        self.write(&format!("{stem}.png"), &plot::map_png(map))?;
+        let files = ["svg", "png", "csv"].map(|ending| format!("{stem}.{ending}")).into();
+        let alt = format!("Map. {}. {} over {} and {}.", map.title, map.axes[2], map.axes[0], map.axes[1]);
         Ok(Shown { image: format!("{stem}.svg"), alt, files, wide: false })
     }
 

@@ -1,9 +1,11 @@
-//! Draws [`Figure`]s: one layout, as vectors (SVG) or as pixels (PNG).
+//! Draws [`Figure`]s and [`Map`]s: one layout, as vectors (SVG) or as pixels (PNG).
 
+mod map;
 mod raster;
 mod svg;
 
 use crate::figures::Figure;
+pub use map::{Map, map_png, map_svg};
 use raster::Raster;
 use svg::Svg;
 
@@ -38,6 +40,8 @@ enum Anchor {
 /// What is drawn on; y downwards.
 trait Canvas {
     fn line(&mut self, points: &[[f64; 2]], colour: [u8; 3], width: f64);
+    /// Fills from left, top to right, bottom.
+    fn cell(&mut self, area: [f64; 4], colour: [u8; 3]);
     /// One line of text, its middle at the height of `at`; `upwards` turns it by 90°.
     fn text(&mut self, at: [f64; 2], text: &str, anchor: Anchor, upwards: bool);
 }

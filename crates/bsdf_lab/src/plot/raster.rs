@@ -69,6 +69,15 @@ impl Canvas for Raster {
         }
     }
 
+    fn cell(&mut self, area: [f64; 4], colour: [u8; 3]) {
+        let [left, top, right, bottom] = area.map(|edge| edge.round().max(0.0) as usize);
+        for y in top..bottom {
+            for x in left..right {
+                self.blend(x, y, colour, 1.0);
+            }
+        }
+    }
+
     fn text(&mut self, [x, y]: [f64; 2], text: &str, anchor: Anchor, upwards: bool) {
         let length = text.chars().count() as f64 * LETTER;
         let start = match anchor {

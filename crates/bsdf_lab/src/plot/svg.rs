@@ -25,6 +25,13 @@ impl Canvas for Svg {
             &format!("<polyline fill=\"none\" stroke=\"rgb({r},{g},{b})\" stroke-width=\"{width}\" points=\"{}\"/>\n", points.join(" "));
     }
 
+    fn cell(&mut self, [left, top, right, bottom]: [f64; 4], [r, g, b]: [u8; 3]) {
+        let (width, height) = (right - left, bottom - top);
+        self.0 += &format!(
+            "<rect x=\"{left:.2}\" y=\"{top:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" fill=\"rgb({r},{g},{b})\" shape-rendering=\"crispEdges\"/>\n"
+        );
+    }
+
     fn text(&mut self, [x, y]: [f64; 2], text: &str, anchor: Anchor, upwards: bool) {
         let anchor = match anchor {
             Anchor::Start => "start",

@@ -124,18 +124,19 @@ type Series = Vec<(f64, f64)>;
 /// What must hold of a series: no step against the trend beyond noise, and a change over the whole range.
 fn judge(name: &str, trend: Trend, series: &Series) -> Vec<Check> {
     let steps = || series.windows(2).map(|pair| (pair[1].0 - pair[0].0, pair[0].1.hypot(pair[1].1)));
-    let whole = series[series.len() - 1].0 / series[0].0;
-    let ratio = format!("{name}: contrast at {}° over that at {}°", ANGLES[ANGLES.len() - 1], ANGLES[0]);
+    let (first, last) = (series[0], series[series.len() - 1]);
+    let (change, error) = (last.0 - first.0, first.1.hypot(last.1));
+    let what = format!("{name}: contrast at {}° less that at {}°", ANGLES[ANGLES.len() - 1], ANGLES[0]);
     match trend {
         Trend::Falls => {
             let largest = steps().map(|(step, error)| step - 3.0 * error).fold(f64::NEG_INFINITY, f64::max);
             let step = Check::at_most(format!("{name}: contrast falls; its largest step less 3 standard errors"), largest, 0.0);
-            vec![step, Check::at_most(ratio, whole, 0.5)]
+            vec![step, Check::at_most(what, change - 3.0 * error, -0.2)]
         }
         Trend::Holds => {
             let smallest = steps().map(|(step, error)| step + 3.0 * error).fold(f64::INFINITY, f64::min);
             let step = Check::at_least(format!("{name}: contrast does not fall; its smallest step and 3 standard errors"), smallest, 0.0);
-            vec![step, Check::at_least(ratio, whole, 1.3)]
+            vec![step, Check::at_least(what, change + 3.0 * error, 0.15)]
         }
     }
 }

@@ -120,7 +120,7 @@ mod tests {
         assert!(checks(&curves).iter().all(|check| check.holds), "{:#?}", checks(&curves));
         let mut swapped = curves.clone();
         for curve in &mut swapped {
-            curve.points.iter_mut().for_each(|point| point[1] = 1.04 - 0.5 * (point[1] - 0.9));
+            curve.points.iter_mut().for_each(|point| point[1] = 1.05 - 0.5 * point[1]);
         }
         assert!(checks(&swapped).iter().all(|check| !check.holds), "planted fault");
     }

@@ -86,10 +86,10 @@ pub struct Plot {
     #[arg(long, conflicts_with_all = ["figure", "curves"])]
     pub gallery: bool,
     /// Width of the gallery's pictures in pixels [default: 1000]
-    #[arg(long, value_name = "PX", requires = "gallery", value_parser = clap::value_parser!(u32).range(100..=8000))]
+    #[arg(long, value_name = "PX", conflicts_with_all = ["figure", "curves"], value_parser = clap::value_parser!(u32).range(100..=8000))]
     pub width: Option<u32>,
     /// Samples per pixel of the gallery's pictures [default: 32]
-    #[arg(long, value_name = "N", requires = "gallery", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, value_name = "N", conflicts_with_all = ["figure", "curves"], value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub spp: Option<u32>,
     /// Folder of the files
     #[arg(short, long, value_name = "DIR")]

@@ -56,10 +56,12 @@ impl Gallery {
     }
 }
 
+/// Heading, lead, and for each plate its share of the time, its name and what makes it.
+type Content = (&'static str, &'static str, Vec<(f64, String, Make)>);
 type Make = Box<dyn Fn(&mut Studio) -> Result<Plate, GalleryError>>;
 
 /// Sections with their lead, and what makes each plate with its share of the time.
-fn contents() -> Vec<(&'static str, &'static str, Vec<(f64, String, Make)>)> {
+fn contents() -> Vec<Content> {
     let spheres = survey::FIGURES.iter().map(|figure| {
         let make: Make = Box::new(|studio| plates::spheres(figure, studio));
         ((figure.rows)().len() as f64 + 0.5, format!("figure {}", figure.number), make)

@@ -95,7 +95,7 @@ fn stage(mesh: Mesh) -> Stage {
     let rod = Transform::Trs { translation: Vec3::ZERO, rotation: light, scale: Vec3::ONE };
     let stage = Stage::default()
         .mesh(mesh, lacquer, at(Vec3::ZERO))
-        .mesh(shapes::cylinder(0.012, 1.15, 24), matte(LinearRgb::new(0.1, 0.25, 0.55)), rod)
+        .mesh(shapes::cylinder(0.022, 1.25, 24), matte(LinearRgb::new(0.1, 0.25, 0.55)), rod)
         .mesh(shapes::cylinder(1.15, 0.01, 128), matte(LinearRgb::splat(0.72)), at(Vec3::new(0.0, -0.0105, 0.0)))
         .mesh(shapes::floor(40.0, 40.0, 1.0), matte(LinearRgb::splat(0.82)), at(Vec3::new(0.0, -0.0115, 0.0)))
         .light(Vec3::new(0.5, 1.0, 0.75))

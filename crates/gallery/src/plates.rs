@@ -92,6 +92,6 @@ fn row(studio: &Studio, balls: &[Ball], elevation: f32, spp: u32, part: [f64; 2]
     let across = (balls.len() as f32 * crate::stage::SPACING).max(12.5);
     let size = UVec2::new(width, (width as f32 * HEIGHT / across).round() as u32);
     let settings = Settings { size, max_depth: DEPTH, ..Settings::default() };
-    let stage = Stage::row(balls).as_seen(balls.len(), SUN, elevation, HEIGHT);
+    let stage = Stage::row(balls).for_picture(balls.len(), SUN, elevation, HEIGHT);
     studio.render_calmly(&stage, &settings, spp, part)
 }

@@ -155,7 +155,7 @@ impl Stage {
     }
 
     /// Camera, light and sky of the pictures of a row of `count` spheres: raised by `elevation` degrees; the picture is `height` metres high.
-    pub fn as_seen(self, count: usize, sun: Sun, elevation: f32, height: f32) -> Self {
+    pub fn for_picture(self, count: usize, sun: Sun, elevation: f32, height: f32) -> Self {
         let raise = Quat::from_rotation_x(-elevation.to_radians());
         let middle = Vec3::new((count as f32 - 1.0) * SPACING / 2.0, 1.0, 0.0);
         let axis = raise * Vec3::Z;

@@ -24,8 +24,11 @@ pub struct SphereFigure {
     /// Rows of spheres, each with the name at its left; the name of a single row is empty.
     pub rows: fn() -> Vec<(String, Vec<Ball>)>,
     /// Measures what the figure claims, on pixels.
-    pub measure: fn(&[(String, Vec<Ball>)]) -> Result<Measured, GalleryError>,
+    pub measure: Measure,
 }
+
+/// Measures a figure of these rows.
+type Measure = fn(&[(String, Vec<Ball>)]) -> Result<Measured, GalleryError>;
 
 /// What was found on a figure's pixels.
 #[derive(Clone, Debug, Default)]

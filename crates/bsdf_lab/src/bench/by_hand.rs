@@ -46,13 +46,13 @@ mod avx512 {
     use std::arch::x86_64::*;
 
     pub fn lambert(m: &Materials, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
-        assert!(wi.len() == wo.len() && wo.len() == out.len() && out.len() % 16 == 0, "whole registers");
+        assert!(wi.len() == wo.len() && wo.len() == out.len() && out.len().is_multiple_of(16), "whole registers");
         // SAFETY: `by_hand` asked for the instructions.
         unsafe { lambert_512(m, wi, wo, out) }
     }
 
     pub fn ggx(m: &Materials, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
-        assert!(wi.len() == wo.len() && wo.len() == out.len() && out.len() % 16 == 0, "whole registers");
+        assert!(wi.len() == wo.len() && wo.len() == out.len() && out.len().is_multiple_of(16), "whole registers");
         // SAFETY: `by_hand` asked for the instructions.
         unsafe { ggx_512(m, wi, wo, out) }
     }
@@ -175,13 +175,13 @@ mod avx2 {
     use std::arch::x86_64::*;
 
     pub fn lambert(m: &Materials, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
-        assert!(wi.len() == wo.len() && wo.len() == out.len() && out.len() % 8 == 0, "whole registers");
+        assert!(wi.len() == wo.len() && wo.len() == out.len() && out.len().is_multiple_of(8), "whole registers");
         // SAFETY: `by_hand` asked for the instructions.
         unsafe { lambert_256(m, wi, wo, out) }
     }
 
     pub fn ggx(m: &Materials, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
-        assert!(wi.len() == wo.len() && wo.len() == out.len() && out.len() % 8 == 0, "whole registers");
+        assert!(wi.len() == wo.len() && wo.len() == out.len() && out.len().is_multiple_of(8), "whole registers");
         // SAFETY: `by_hand` asked for the instructions.
         unsafe { ggx_256(m, wi, wo, out) }
     }

@@ -106,6 +106,9 @@ pub fn bench(subjects: &[Subject<'_>], calls: u64, mut progress: impl FnMut(f64)
     Some(Costs { calls, rounds, instructions, empty, models: costs, fresnel })
 }
 
+/// Values of many pairs.
+type Many<'a> = &'a dyn Fn(&[Vec3], &[Vec3], &mut [Vec3]);
+
 /// A model between its rounds.
 struct TimedLoop<'a> {
     subject: &'a Subject<'a>,
@@ -138,7 +141,7 @@ impl<'a> TimedLoop<'a> {
 
     fn finish(self, inputs: &Inputs) -> ModelCost {
         let model = self.subject.model;
-        let mean = |many: &dyn Fn(&[Vec3], &[Vec3], &mut [Vec3])| {
+        let mean = |many: Many<'_>| {
             let mut out = [Vec3::ZERO; BLOCK];
             let blocks = inputs.pairs() / BLOCK;
             let sum: f64 = (0..blocks)

@@ -159,15 +159,14 @@ impl<T: Real> Evaluate<T> for Formula<T> {
         let parts = self.parts(g);
         let scale = T::of(FRAC_1_PI) * parts.visibility;
         let mut scattered = [T::zero(); 3];
-        let wavelengths = if self.grey { 1 } else { 3 };
-        for k in 0..wavelengths {
-            scattered[k] = self.distribution(g, self.wave[k], parts.sigma) * parts.geometry * scale;
+        for (scattered, wave) in scattered.iter_mut().zip(self.wave) {
+            *scattered = self.distribution(g, wave, parts.sigma) * parts.geometry * scale;
+            if self.grey {
+                break;
+            }
         }
-        if self.grey {
-            scattered = [scattered[0]; 3];
-        }
-        let [r, g_, b] = scattered;
-        self.uniform + self.fresnel.at(g.cos_beta).times(Rgb::new(r, g_, b))
+        let [red, green, blue] = if self.grey { [scattered[0]; 3] } else { scattered };
+        self.uniform + self.fresnel.at(g.cos_beta).times(Rgb::new(red, green, blue))
     }
 }
 

@@ -114,17 +114,21 @@ fn closest_hits(tlas: &Tlas, rays: &[Ray]) -> (usize, f64) {
     let parts: Vec<(usize, f64)> = rays
         .par_chunks(CHUNK)
         .map(|chunk| {
-            chunk.iter().fold((0, 0.0), |(hits, sum), ray| match tlas.closest_hit_opaque(ray, Filter::ALL) {
-                Some(hit) => (hits + 1, sum + f64::from(hit.t)),
-                None => (hits, sum),
-            })
+            let mut hits = [None; CHUNK];
+            tlas.closest_hits(chunk, Filter::ALL, |_, _| true, &mut hits[..chunk.len()]);
+            hits.iter().flatten().fold((0, 0.0), |(hits, sum), hit| (hits + 1, sum + f64::from(hit.t)))
         })
         .collect();
     parts.into_iter().fold((0, 0.0), |(hits, sum), part| (hits + part.0, sum + part.1))
 }
 
 fn any_hits(tlas: &Tlas, rays: &[Ray]) -> usize {
-    rays.par_chunks(CHUNK).map(|chunk| chunk.iter().filter(|ray| tlas.any_hit_opaque(ray, Filter::ALL)).count()).sum()
+    let any = |chunk: &[Ray]| {
+        let mut hits = [false; CHUNK];
+        tlas.any_hits(chunk, Filter::ALL, |_, _| true, &mut hits[..chunk.len()]);
+        hits.iter().filter(|&&hit| hit).count()
+    };
+    rays.par_chunks(CHUNK).map(any).sum()
 }
 
 fn best_and_median(mut seconds: Vec<f64>) -> (f64, f64) {

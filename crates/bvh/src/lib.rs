@@ -30,6 +30,7 @@ mod error;
 pub mod gpu;
 mod lanes;
 mod offset;
+mod packet;
 mod ray;
 pub mod slab;
 mod stack;

@@ -1,6 +1,6 @@
 //! Rays, hits and what a ray may see.
 
-use crate::triangle::MAX_COORDINATE;
+use crate::triangle::{MAX_COORDINATE, NO_PRIMITIVE};
 use glam::{Vec3, Vec3A};
 
 /// A half-open line: the points `origin + t · direction` with `t_min < t < t_max`, both ends excluded.
@@ -100,6 +100,17 @@ impl Filter {
     /// Sees everything but the triangle that `hit` lies on.
     pub fn leaving(hit: &Hit) -> Self {
         Self { exclude: Some(hit.primitive_ref()), ..Self::ALL }
+    }
+}
+
+impl Filter {
+    /// The triangle of `instance` that is never hit, [`NO_PRIMITIVE`] for none.
+    #[inline(always)]
+    pub(crate) fn excluded_in(&self, instance: u32) -> u32 {
+        match self.exclude {
+            Some(excluded) if excluded.instance == instance => excluded.primitive,
+            _ => NO_PRIMITIVE,
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The upper level: meshes placed in the world.
 
 #[cfg(target_arch = "x86_64")]
-use crate::lanes::Avx2;
+use crate::lanes::{Avx2, Avx512};
 use crate::{
     aabb::Aabb,
     blas::Blas,
@@ -9,6 +9,7 @@ use crate::{
     counters::{Count, NoCounters},
     error::BvhError,
     lanes::{Backend, Lanes, Portable},
+    packet::{self, NearestHits, PacketWorld},
     ray::{Filter, Hit, Ray},
     slab::MARGIN,
     traverse::{Nearest, Query, World},
@@ -51,6 +52,22 @@ pub(crate) struct Placed {
 }
 
 impl Placed {
+    /// Whether object space is the world.
+    #[inline(always)]
+    pub fn is_in_place(&self) -> bool {
+        self.identity
+    }
+
+    /// The rays in object space; `None` if one of them cannot hit anything there.
+    #[inline(always)]
+    pub fn local_rays<const N: usize>(&self, rays: &[Ray; N]) -> Option<[Ray; N]> {
+        let mut local = *rays;
+        for ray in &mut local {
+            *ray = self.local_ray(ray)?;
+        }
+        Some(local)
+    }
+
     /// The ray in object space, where `t` means the same; `None` if it cannot hit anything there.
     #[inline(always)]
     pub fn local_ray(&self, ray: &Ray) -> Option<Ray> {
@@ -201,6 +218,60 @@ impl Tlas {
         self.run::<_, _, true, false>(ray, filter, accept, counters).is_some()
     }
 
+    /// [`closest_hit`](Self::closest_hit) of many rays, `accept` being told which ray it is. Sixteen neighbours that run nearly alike, as those of
+    /// a row of pixels do, are traced together.
+    ///
+    /// # Panics
+    /// If `rays` and `hits` are not of one length.
+    pub fn closest_hits(&self, rays: &[Ray], filter: Filter, mut accept: impl FnMut(usize, &Hit) -> bool, hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len(), "one hit a ray");
+        for (number, (rays, hits)) in rays.chunks(packet::SIZE).zip(hits.chunks_mut(packet::SIZE)).enumerate() {
+            let first = number * packet::SIZE;
+            match self.run_packet::<_, false>(rays, filter, |i, hit| accept(first + i, hit)) {
+                Some(nearest) => hits.iter_mut().enumerate().for_each(|(i, hit)| *hit = nearest.get(i).into_option()),
+                None => {
+                    for (i, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+                        *hit = self.closest_hit(ray, filter, |hit| accept(first + i, hit));
+                    }
+                }
+            }
+        }
+    }
+
+    /// [`any_hit`](Self::any_hit) of many rays, like [`closest_hits`](Self::closest_hits).
+    ///
+    /// # Panics
+    /// If `rays` and `hits` are not of one length.
+    pub fn any_hits(&self, rays: &[Ray], filter: Filter, mut accept: impl FnMut(usize, &Hit) -> bool, hits: &mut [bool]) {
+        assert_eq!(rays.len(), hits.len(), "one answer a ray");
+        for (number, (rays, hits)) in rays.chunks(packet::SIZE).zip(hits.chunks_mut(packet::SIZE)).enumerate() {
+            let first = number * packet::SIZE;
+            match self.run_packet::<_, true>(rays, filter, |i, hit| accept(first + i, hit)) {
+                Some(nearest) => hits.iter_mut().enumerate().for_each(|(i, hit)| *hit = nearest.is_found(i)),
+                None => {
+                    for (i, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+                        *hit = self.any_hit(ray, filter, |hit| accept(first + i, hit));
+                    }
+                }
+            }
+        }
+    }
+
+    /// `None` if the rays are not a full packet or not alike.
+    #[inline(always)]
+    fn run_packet<F: FnMut(usize, &Hit) -> bool, const ANY: bool>(&self, rays: &[Ray], filter: Filter, accept: F) -> Option<NearestHits> {
+        let rays = rays.first_chunk().filter(|rays| packet::may_be_alike(rays))?;
+        let mut world = PacketWorld::<F, ANY> { tlas: self, rays, filter, accept, nearest: NearestHits::before(rays), traced: false };
+        match self.backend {
+            #[cfg(target_arch = "x86_64")]
+            Backend::Avx512 => Avx512::call(&mut world),
+            #[cfg(target_arch = "x86_64")]
+            Backend::Avx2 => Avx2::call(&mut world),
+            _ => Portable::call(&mut world),
+        }
+        world.traced.then_some(world.nearest)
+    }
+
     #[inline(always)]
     fn run<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool>(
         &self,
@@ -213,7 +284,7 @@ impl Tlas {
         let world = World::<F, C, ANY, OPAQUE> { tlas: self, query: &mut query };
         match self.backend {
             #[cfg(target_arch = "x86_64")]
-            Backend::Avx2 => Avx2::call(world),
+            Backend::Avx2 | Backend::Avx512 => Avx2::call(world),
             _ => Portable::call(world),
         }
         query.nearest.into_option()

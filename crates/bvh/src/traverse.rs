@@ -3,12 +3,13 @@
 use crate::{
     blas::Blas,
     counters::Count,
-    lanes::{Crossings, Lanes, Task},
-    ray::{Filter, Hit, PrimitiveRef, Ray},
+    lanes::{Crossings, Distances, Lanes, Task},
+    packet::Frustum,
+    ray::{Filter, Hit, Ray},
     slab::{MARGIN, SlabRay},
     stack::{Stack, Storage, Waiting},
     tlas::Tlas,
-    triangle::{BLOCK_SIZE, NO_PRIMITIVE, ShearedRay},
+    triangle::{BLOCK_SIZE, ShearedRay},
     wide::{Child, Node, WIDTH, WideTree},
 };
 use std::ops::Range;
@@ -64,26 +65,53 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Task
         } else {
             let (margin, extra) = self.tlas.margin();
             let slab = SlabRay::new(self.query.ray, &tree.bounds, margin, extra);
-            walk::<L, _>(tree, &slab, &mut self);
+            walk::<L, _, _>(tree, &slab, &mut self);
         }
     }
 }
 
 /// What a walk through one level asks and tells.
-trait Visitor {
+pub(crate) trait Visitor {
     /// Whether near children should come first.
     const ORDERED: bool;
     /// Boxes entered beyond this are skipped.
     fn limit(&self) -> f32;
     /// A node is about to be tested.
     fn node(&mut self);
+    /// Of the children whose boxes are met, those worth a visit.
+    #[inline(always)]
+    fn refine<L: Lanes>(&self, _node: &Node, met: u32) -> u32 {
+        met
+    }
     /// Tests the items of a leaf; `true` ends the walk.
     fn leaf<L: Lanes>(&mut self, items: Range<usize>) -> bool;
 }
 
+/// What nodes are tested against: a ray, or many.
+pub(crate) trait AgainstBoxes {
+    /// Children that are met before `t_max`, one bit each, and where.
+    fn boxes<L: Lanes>(&self, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]);
+}
+
+impl AgainstBoxes for SlabRay {
+    #[inline(always)]
+    fn boxes<L: Lanes>(&self, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
+        let (met, Distances(distances)) = L::boxes(self, node, t_max);
+        (met, distances)
+    }
+}
+
+impl AgainstBoxes for Frustum {
+    #[inline(always)]
+    fn boxes<L: Lanes>(&self, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
+        let (met, Distances(distances)) = L::frustum_boxes(self, node, t_max);
+        (met, distances)
+    }
+}
+
 /// Visits leaves front to back (by the entry into their boxes).
 #[inline(always)]
-fn walk<L: Lanes, V: Visitor>(tree: &WideTree, slab: &SlabRay, visitor: &mut V) {
+pub(crate) fn walk<L: Lanes, B: AgainstBoxes, V: Visitor>(tree: &WideTree, against: &B, visitor: &mut V) {
     let mut storage = Storage::new();
     let mut stack = Stack::new(&mut storage);
     let mut child = tree.root;
@@ -97,9 +125,10 @@ fn walk<L: Lanes, V: Visitor>(tree: &WideTree, slab: &SlabRay, visitor: &mut V) 
         } else {
             visitor.node();
             let node = &tree.nodes[child.index()];
-            let (met, distances) = L::boxes(slab, node, limit);
+            let (met, distances) = against.boxes::<L>(node, limit);
+            let met = visitor.refine::<L>(node, met);
             if met != 0 {
-                child = advance::<V>(node, met, &distances.0, &mut stack);
+                child = advance::<V>(node, met, &distances, &mut stack);
                 continue;
             }
         }
@@ -168,10 +197,7 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Visi
             }
             self.query.counters.instance();
             let Some(ray) = placed.local_ray(self.query.ray) else { continue };
-            let exclude = match self.query.filter.exclude {
-                Some(PrimitiveRef { instance, primitive }) if instance == placed.instance => primitive,
-                _ => NO_PRIMITIVE,
-            };
+            let exclude = self.query.filter.excluded_in(placed.instance);
             let ask = !OPAQUE && !placed.opaque;
             let blas = &self.tlas.blases()[placed.blas as usize];
             L::call(Mesh::<F, C, ANY> { blas, ray, instance: placed.instance, ask, exclude, query: self.query });
@@ -184,13 +210,13 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Visi
 }
 
 /// Traces a ray through one mesh, in its space.
-struct Mesh<'a, 'q, F, C, const ANY: bool> {
-    blas: &'a Blas,
-    ray: Ray,
-    instance: u32,
-    ask: bool,
-    exclude: u32,
-    query: &'a mut Query<'q, F, C>,
+pub(crate) struct Mesh<'a, 'q, F, C, const ANY: bool> {
+    pub blas: &'a Blas,
+    pub ray: Ray,
+    pub instance: u32,
+    pub ask: bool,
+    pub exclude: u32,
+    pub query: &'a mut Query<'q, F, C>,
 }
 
 impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool> Task for Mesh<'_, '_, F, C, ANY> {
@@ -199,7 +225,7 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool> Task for Mesh<'_, '_, F,
         let tree = self.blas.tree();
         let slab = SlabRay::new(&self.ray, &tree.bounds, MARGIN, 0.0);
         let sheared = ShearedRay::new(&self.ray);
-        walk::<L, _>(tree, &slab, &mut InMesh { sheared, mesh: self });
+        walk::<L, _, _>(tree, &slab, &mut InMesh { sheared, mesh: self });
     }
 }
 

@@ -6,7 +6,7 @@ use common::*;
 use kajo_bvh::{Backend, Filter, Hit, Tlas};
 
 fn backends() -> impl Iterator<Item = Backend> {
-    [Backend::Portable, Backend::Avx2].into_iter().filter(|b| b.is_supported())
+    [Backend::Portable, Backend::Avx2, Backend::Avx512].into_iter().filter(|b| b.is_supported())
 }
 
 #[test]

@@ -34,7 +34,7 @@ fn far_rays(count: usize, seed: u64) -> impl Iterator<Item = Ray> {
 #[test]
 fn placed_meshes_equal_brute_force_bit_for_bit() {
     let (_, plain) = world(40, 3);
-    for backend in [Backend::Portable, Backend::Avx2].into_iter().filter(|b| b.is_supported()) {
+    for backend in [Backend::Portable, Backend::Avx2, Backend::Avx512].into_iter().filter(|b| b.is_supported()) {
         let tlas = plain.clone().with_backend(backend);
         let mut hits = 0;
         for ray in far_rays(3_000, 4) {

@@ -2,6 +2,7 @@
 
 use super::{Crossings, Distances, Lanes, Task};
 use crate::{
+    packet::Frustum,
     slab::SlabRay,
     triangle::{Block, ShearedRay},
     wide::Node,
@@ -14,6 +15,8 @@ use std::arch::x86_64::*;
 pub(crate) struct Avx2;
 
 impl Lanes for Avx2 {
+    type Single = Self;
+
     #[inline(always)]
     fn call(task: impl Task) {
         #[inline(never)]
@@ -44,6 +47,35 @@ impl Lanes for Avx2 {
             _mm256_store_ps(distances.0.as_mut_ptr(), near);
             (met, distances)
         }
+    }
+
+    #[inline(always)]
+    fn frustum_boxes(frustum: &Frustum, node: &Node, t_max: f32) -> (u32, Distances) {
+        let planes = node.planes.as_ptr().cast::<f32>();
+        // SAFETY: as in `boxes`; `Frustum::new` makes the starts of rows.
+        unsafe {
+            let at = |plane: __m256, r: f32, shift: f32| _mm256_fmadd_ps(plane, _mm256_set1_ps(r), _mm256_set1_ps(shift));
+            let near = |axis: usize| {
+                let (plane, r, shift) =
+                    (_mm256_load_ps(planes.add(frustum.near_planes[axis])), frustum.reciprocal[axis], frustum.near[axis]);
+                _mm256_min_ps(at(plane, r.low, shift.low), at(plane, r.high, shift.high))
+            };
+            let far = |axis: usize| {
+                let (plane, r, shift) = (_mm256_load_ps(planes.add(frustum.far_planes[axis])), frustum.reciprocal[axis], frustum.far[axis]);
+                _mm256_max_ps(at(plane, r.low, shift.low), at(plane, r.high, shift.high))
+            };
+            let near = _mm256_max_ps(_mm256_max_ps(near(0), near(1)), _mm256_max_ps(near(2), _mm256_set1_ps(frustum.t_min)));
+            let far = _mm256_min_ps(_mm256_min_ps(far(0), far(1)), _mm256_min_ps(far(2), _mm256_set1_ps(t_max)));
+            let met = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32;
+            let mut distances = Distances([0.0; 8]);
+            _mm256_store_ps(distances.0.as_mut_ptr(), near);
+            (met, distances)
+        }
+    }
+
+    #[inline(always)]
+    fn mul_add(a: f32, b: f32, c: f32) -> f32 {
+        a.mul_add(b, c)
     }
 
     #[inline(always)]

@@ -2,13 +2,18 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod portable;
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx2::Avx2;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx512::Avx512;
 pub(crate) use portable::Portable;
 
 use crate::{
+    packet::Frustum,
     slab::SlabRay,
     triangle::{BLOCK_SIZE, Block, ShearedRay},
     wide::{Node, WIDTH},
@@ -20,11 +25,20 @@ pub(crate) struct Distances(pub [f32; WIDTH]);
 
 /// Tests boxes and triangles side by side. Implementations may differ in rounding of box distances, within the margin of [`crate::slab`].
 pub(crate) trait Lanes: Sized {
+    /// What traces single rays fastest.
+    type Single: Lanes;
+
     /// Runs a task in a function of its own that may use the instructions. Everything the task does must be inlined into it.
     fn call(task: impl Task);
 
     /// Children whose box is met within `t_min ..= t_max`, one bit each, and where each is entered.
     fn boxes(ray: &SlabRay, node: &Node, t_max: f32) -> (u32, Distances);
+
+    /// The same for many rays; see [`Frustum`].
+    fn frustum_boxes(frustum: &Frustum, node: &Node, t_max: f32) -> (u32, Distances);
+
+    /// a b + c, rounded once where the instructions can.
+    fn mul_add(a: f32, b: f32, c: f32) -> f32;
 
     /// Triangles that the ray crosses at `t_min < t ≤ t_max`, one bit each, and where. Exactly the same in every implementation.
     fn triangles(ray: &ShearedRay, block: &Block, t_min: f32, t_max: f32, out: &mut Crossings) -> u32;
@@ -55,12 +69,14 @@ pub enum Backend {
     Portable,
     /// AVX2 and FMA; x86-64 only.
     Avx2,
+    /// The same for single rays, AVX-512 (F, VL, BW, DQ) for packets.
+    Avx512,
 }
 
 impl Backend {
     /// The fastest one that this processor runs.
     pub fn detect() -> Self {
-        if Self::Avx2.is_supported() { Self::Avx2 } else { Self::Portable }
+        [Self::Avx512, Self::Avx2].into_iter().find(|backend| backend.is_supported()).unwrap_or(Self::Portable)
     }
 
     /// Whether this processor runs it.
@@ -69,8 +85,13 @@ impl Backend {
             Self::Portable => true,
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                let wide = is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl");
+                wide && is_x86_feature_detected!("avx512bw") && is_x86_feature_detected!("avx512dq") && Self::Avx2.is_supported()
+            }
             #[cfg(not(target_arch = "x86_64"))]
-            Self::Avx2 => false,
+            Self::Avx2 | Self::Avx512 => false,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Crossings, Distances, Lanes, Task};
 use crate::{
+    packet::Frustum,
     slab::SlabRay,
     triangle::{Block, Crossing, ShearedRay},
     wide::Node,
@@ -12,6 +13,8 @@ use glam::Vec4;
 pub(crate) struct Portable;
 
 impl Lanes for Portable {
+    type Single = Self;
+
     #[inline(never)]
     fn call(task: impl Task) {
         task.run::<Self>();
@@ -32,6 +35,16 @@ impl Lanes for Portable {
             near.write_to_slice(&mut distances.0[half..]);
         }
         (met, distances)
+    }
+
+    #[inline(always)]
+    fn frustum_boxes(frustum: &Frustum, node: &Node, t_max: f32) -> (u32, Distances) {
+        frustum.boxes(node, t_max)
+    }
+
+    #[inline(always)]
+    fn mul_add(a: f32, b: f32, c: f32) -> f32 {
+        a * b + c
     }
 
     #[inline(always)]

@@ -1,0 +1,129 @@
+//! Many rays at once give what each gives alone, bit for bit, on every backend.
+
+mod common;
+
+use common::*;
+use glam::{Affine3A, Quat, Vec3};
+use kajo_bvh::{Backend, BvhInstance, Filter, Hit, Ray, Tlas};
+use std::sync::Arc;
+
+fn backends() -> impl Iterator<Item = Backend> {
+    [Backend::Portable, Backend::Avx2, Backend::Avx512].into_iter().filter(|b| b.is_supported())
+}
+
+/// Rows of pixels from points around the origin that look at it: alike in the middle of a row, less so where signs change. Some start or end in the middle.
+fn camera_rays(views: usize, side: usize, size: f32, seed: u64) -> Vec<Ray> {
+    let mut random = Random::new(seed);
+    let mut rays = Vec::new();
+    for view in 0..views {
+        let eye = random.sphere() * size * 3.0;
+        let forward = -eye.normalize();
+        let right = forward.any_orthonormal_vector();
+        let up = right.cross(forward);
+        for y in 0..side {
+            for x in 0..side {
+                let [a, b] = [x, y].map(|i| (i as f32 + 0.5) / side as f32 - 0.5);
+                // Directions of any length, as shadow rays have them.
+                let direction = (forward + a * right + b * up) * if view % 2 == 0 { 1.0 } else { size };
+                let ray = Ray::new(eye, direction);
+                let bounds = match view % 3 {
+                    0 => (0.0, f32::INFINITY),
+                    1 => (2.0 / direction.length(), f32::INFINITY),
+                    _ => (0.0, 3.0 * size / direction.length()),
+                };
+                rays.push(Ray { t_min: bounds.0, t_max: bounds.1, ..ray });
+            }
+        }
+    }
+    rays
+}
+
+/// What is asked of hits on surfaces that are not opaque: depends on the ray too.
+fn accepts(ray: usize, hit: &Hit) -> bool {
+    (hit.primitive as usize + ray) % 3 != 0
+}
+
+/// Compares all rays with the loop over all triangles; gives the number of hits.
+fn check(tlas: &Tlas, rays: &[Ray], filter: Filter) -> usize {
+    let (mut hits, mut any) = (vec![None; rays.len()], vec![false; rays.len()]);
+    tlas.closest_hits(rays, filter, accepts, &mut hits);
+    tlas.any_hits(rays, filter, accepts, &mut any);
+    for (i, ray) in rays.iter().enumerate() {
+        let expected = tlas.closest_hit_brute_force(ray, filter, |hit| accepts(i, hit));
+        same(expected, hits[i]).unwrap_or_else(|difference| panic!("ray {i} {ray:?}: {difference}"));
+        assert_eq!(expected.is_some(), any[i], "ray {i} {ray:?}");
+    }
+    hits.iter().flatten().count()
+}
+
+#[test]
+fn rows_of_pixels_equal_brute_force_bit_for_bit() {
+    let plain = Tlas::single(soup(2_000, 0.2, 1).blas());
+    // 61 is no multiple of a packet: rows and packets do not line up, and some rays are left over.
+    let rays = camera_rays(6, 61, 1.0, 2);
+    for backend in backends() {
+        let hits = check(&plain.clone().with_backend(backend), &rays, Filter::ALL);
+        assert!(hits > rays.len() / 10 && hits < rays.len(), "{hits} hits: the rays test nothing");
+    }
+}
+
+#[test]
+fn rays_without_order_equal_brute_force_bit_for_bit() {
+    let plain = Tlas::single(soup(2_000, 0.2, 3).blas());
+    let rays = rays(1_500, 4);
+    for backend in backends() {
+        assert!(check(&plain.clone().with_backend(backend), &rays, Filter::ALL) > 300);
+    }
+}
+
+/// Coplanar triangles that share edges and vertices, and each of them twice: rays through vertices, and ties.
+#[test]
+fn ties_and_edges_are_decided_as_alone() {
+    let mut mesh = TestMesh::default();
+    for (x, y) in (0..8).flat_map(|x| (0..8).map(move |y| (x as f32, y as f32))) {
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(a, b)| Vec3::new(x + a - 4.0, y + b - 4.0, 0.0)));
+        mesh.indices.extend([[0, 1, 2], [0, 2, 3], [0, 1, 2]].map(|t| t.map(|v| v + first)));
+    }
+    // Every fourth ray meets a vertex, many an edge or a diagonal.
+    let rays: Vec<Ray> = (0..33 * 33)
+        .map(|i| Ray::new(Vec3::new((i % 33) as f32 * 0.25 - 4.0, (i / 33) as f32 * 0.25 - 4.0, 5.0), Vec3::new(0.0, 0.0, -1.0)))
+        .collect();
+    for backend in backends() {
+        let tlas = Tlas::single(mesh.blas()).with_backend(backend);
+        assert!(check(&tlas, &rays, Filter::ALL) > 900);
+    }
+}
+
+#[test]
+fn placed_masked_and_transparent_instances_equal_brute_force() {
+    let mut random = Random::new(5);
+    let mesh = Arc::new(soup(60, 0.5, 6).blas());
+    let instances = (0..40)
+        .map(|i| {
+            let turn = Quat::from_axis_angle(random.sphere(), random.unit() * 6.0);
+            let scale = Vec3::splat(0.5 + random.unit()) * if i % 2 == 1 { -1.0 } else { 1.0 };
+            let placed = Affine3A::from_scale_rotation_translation(scale, turn, random.cube() * 5.0);
+            let world_from_object = if i % 5 == 0 { Affine3A::IDENTITY } else { placed };
+            BvhInstance { mask: 1 << (i % 3), opaque: i % 4 != 0, ..BvhInstance::new(0, world_from_object) }
+        })
+        .collect();
+    let plain = Tlas::build(vec![mesh], instances).unwrap();
+    let rays = camera_rays(4, 40, 5.0, 7);
+    let exclude = plain.closest_hit_opaque(&rays[800], Filter::ALL).map(|hit| hit.primitive_ref());
+    assert!(exclude.is_some());
+    for backend in backends() {
+        let tlas = plain.clone().with_backend(backend);
+        let all = check(&tlas, &rays, Filter::ALL);
+        let some = check(&tlas, &rays, Filter { mask: 0b101, exclude });
+        assert!(some > 500 && some < all, "{some} of {all}");
+    }
+}
+
+#[test]
+fn no_rays_and_no_triangles_are_no_hits() {
+    let empty = Tlas::build(vec![], vec![]).unwrap();
+    let rays = camera_rays(1, 8, 1.0, 8);
+    assert_eq!(check(&empty, &rays, Filter::ALL), 0);
+    assert_eq!(check(&Tlas::single(soup(50, 0.5, 9).blas()), &[], Filter::ALL), 0);
+}

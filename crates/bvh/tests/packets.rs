@@ -22,7 +22,7 @@ fn camera_rays(views: usize, side: usize, size: f32, seed: u64) -> Vec<Ray> {
         let up = right.cross(forward);
         for y in 0..side {
             for x in 0..side {
-                let [a, b] = [x, y].map(|i| (i as f32 + 0.5) / side as f32 - 0.5);
+                let [a, b] = [x, y].map(|i| 0.4 * ((i as f32 + 0.5) / side as f32 - 0.5));
                 // Directions of any length, as shadow rays have them.
                 let direction = (forward + a * right + b * up) * if view % 2 == 0 { 1.0 } else { size };
                 let ray = Ray::new(eye, direction);

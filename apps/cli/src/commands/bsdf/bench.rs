@@ -20,10 +20,9 @@ pub fn run(common: &Common, arguments: &Bench) -> Outcome {
     let chosen = choose(arguments)?;
     // Ratios need their base, whether it was asked for or not.
     let base = prepare(entry(BASE)?, &[], Form::Corrected)?;
-    let models = chosen.iter().chain([&base]);
-    let subjects: Vec<_> = models
-        .map(|c| Subject { id: c.entry.id, model: &*c.model, is_default: c.values == ParamValues::defaults(c.entry.params) })
-        .collect();
+    let position = chosen.iter().position(|c| c.entry.id == BASE && is_default(c));
+    let models = chosen.iter().chain(position.is_none().then_some(&base));
+    let subjects: Vec<_> = models.map(|c| Subject { id: c.entry.id, model: &*c.model, is_default: is_default(c) }).collect();
     let bar = progress::bar(common.quiet, "timing");
     let costs = bench(&subjects, arguments.calls, |share| {
         bar.set_position((share * 1000.0) as u64);
@@ -31,7 +30,8 @@ pub fn run(common: &Common, arguments: &Bench) -> Outcome {
     });
     bar.finish_and_clear();
     let mut costs = costs.ok_or_else(|| Failure::run("stopped: times of some rounds only would mislead".to_owned()))?;
-    let base = costs.models.pop().expect("the base was timed").raw;
+    let base = costs.models[position.unwrap_or(chosen.len())].raw;
+    costs.models.truncate(chosen.len());
     let gpu = arguments.gpu.then(|| on_gpu(&chosen));
     if common.json {
         let mut json = as_json(&chosen, &costs, base);
@@ -99,6 +99,10 @@ fn gpu_text(gpu: &OnGpu) -> String {
             format!("\non {adapter}\n{}", output::table(&["model", "ns", "/ Lambert", "checksum", "of the CPU"], &rows))
         }
     }
+}
+
+fn is_default(chosen: &Chosen) -> bool {
+    chosen.values == ParamValues::defaults(chosen.entry.params)
 }
 
 fn choose(arguments: &Bench) -> Outcome<Vec<Chosen>> {

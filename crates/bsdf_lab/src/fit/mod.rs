@@ -14,7 +14,7 @@ mod unknown;
 pub use metric::Metric;
 pub use report::{AngleError, Report};
 pub use samples::{Grid, Sample, Samples};
-pub use solve::{Estimate, Fit, Options, fit};
+pub use solve::{Estimate, Fit, Options, Watch, fit};
 
 /// A fit that cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -42,4 +42,7 @@ pub enum FitError {
     #[error("none of {starts} starts led to finite values; give starting values nearer to the target")]
     #[allow(missing_docs, reason = "the names say it")]
     NoneConverged { starts: usize },
+    /// Ended from outside.
+    #[error("ended before the first start was done; fewer free parameters (--free) end sooner")]
+    Interrupted,
 }

@@ -9,6 +9,7 @@ use kajo_sampling::Rng;
 use rayon::prelude::*;
 use rmpfit::{MPConfig, MPError, MPFitter, MPPar, MPResult, MPSide, MPStatus};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Step of the numerical Jacobian, in [0, 1] of a range: central differences are then good to 1e-9 or so.
 const STEP: f64 = 1e-6;
@@ -36,6 +37,19 @@ impl Default for Options {
     }
 }
 
+/// Follows a fit, and may end it: what the starts that are done have found is then the result.
+pub trait Watch: Sync {
+    /// Some starts are done.
+    fn done(&self, _starts: usize) {}
+    /// Whether to go on; asked often.
+    fn goes_on(&self) -> bool {
+        true
+    }
+}
+
+/// Nobody watches.
+impl Watch for () {}
+
 /// One number found.
 #[derive(Clone, Debug)]
 pub struct Estimate {
@@ -60,6 +74,8 @@ pub struct Fit {
     pub idle: Vec<String>,
     /// How far the model is from the target.
     pub report: Report,
+    /// Starts that were tried to the end: fewer than asked for where the watch ended the fit.
+    pub tried: usize,
     /// Starts that came to the best sum of squares, within a thousandth.
     pub agreeing: usize,
     /// Evaluations of the model's whole table, by all starts.
@@ -70,7 +86,13 @@ pub struct Fit {
 ///
 /// # Errors
 /// [`FitError`].
-pub fn fit(entry: &'static ModelEntry, start: &ParamValues, target: &Samples, options: &Options) -> Result<Fit, FitError> {
+pub fn fit(
+    entry: &'static ModelEntry,
+    start: &ParamValues,
+    target: &Samples,
+    options: &Options,
+    watch: &dyn Watch,
+) -> Result<Fit, FitError> {
     let grey = target.is_grey();
     let mut unknowns = unknowns(entry, start, &options.free, grey, options.isotropic)?;
     let values: Vec<Value> = start.iter().map(|(_, value)| value).collect();
@@ -82,7 +104,7 @@ pub fn fit(entry: &'static ModelEntry, start: &ParamValues, target: &Samples, op
         return Err(FitError::Black);
     }
     (entry.make)(start, options.form)?;
-    let busy = Problem::new(entry, values.clone(), &unknowns, target, options).busy();
+    let busy = Problem::new(entry, values.clone(), &unknowns, target, options, watch).busy();
     let mut idle = Vec::new();
     for index in (0..unknowns.len()).rev().filter(|&index| !busy[index]) {
         idle.insert(0, unknowns.remove(index).name);
@@ -91,19 +113,30 @@ pub fn fit(entry: &'static ModelEntry, start: &ParamValues, target: &Samples, op
         return Err(FitError::NotFree { name: idle.join(","), reason: "it changes nothing beside the other values".into() });
     }
     let starts = options.starts.max(1);
+    let tried = AtomicUsize::new(0);
+    let end_of_start = || watch.done(1 + tried.fetch_add(1, Ordering::Relaxed));
     let found: Vec<Try> = (0..starts)
         .into_par_iter()
         .filter_map(|index| {
-            let mut problem = Problem::new(entry, values.clone(), &unknowns, target, options);
+            if !watch.goes_on() {
+                return None;
+            }
+            let mut problem = Problem::new(entry, values.clone(), &unknowns, target, options, watch);
             let mut u = problem.start(index, options.seed)?;
-            let status = problem.mpfit(&mut u).ok().filter(|status| status.best_norm.is_finite())?;
+            let status = problem.mpfit(&mut u);
+            // A start that was broken off is none.
+            if !watch.goes_on() {
+                return None;
+            }
+            end_of_start();
+            let status = status.ok().filter(|status| status.best_norm.is_finite())?;
             let values = problem.near(&u)?.0;
             Some(Try { u, values, status, evaluations: problem.evaluations })
         })
         .collect();
     let evaluations = found.iter().map(|attempt| attempt.evaluations).sum();
     let Some(Try { u, values, status, .. }) = found.iter().min_by(|a, b| a.status.best_norm.total_cmp(&b.status.best_norm)) else {
-        return Err(FitError::NoneConverged { starts });
+        return Err(if watch.goes_on() { FitError::NoneConverged { starts } } else { FitError::Interrupted });
     };
     // Sums of squares of rounding errors are all alike.
     let alike = status.best_norm * 1.001 + 1e-16 * status.orig_norm;
@@ -121,6 +154,7 @@ pub fn fit(entry: &'static ModelEntry, start: &ParamValues, target: &Samples, op
         estimates: estimates.collect(),
         idle,
         report: Report::of(&*model, target),
+        tried: tried.into_inner(),
         agreeing: found.iter().filter(|attempt| attempt.status.best_norm <= alike).count(),
         evaluations,
         model,
@@ -153,6 +187,7 @@ struct Problem<'a> {
     unknowns: &'a [Unknown],
     target: &'a Samples,
     options: &'a Options,
+    watch: &'a dyn Watch,
     channels: usize,
     floor: f64,
     limits: Vec<MPPar>,
@@ -163,7 +198,14 @@ struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    fn new(entry: &'static ModelEntry, values: Vec<Value>, unknowns: &'a [Unknown], target: &'a Samples, options: &'a Options) -> Self {
+    fn new(
+        entry: &'static ModelEntry,
+        values: Vec<Value>,
+        unknowns: &'a [Unknown],
+        target: &'a Samples,
+        options: &'a Options,
+        watch: &'a dyn Watch,
+    ) -> Self {
         let limit = || MPPar { limited_low: true, limited_up: true, limit_low: 0.0, limit_up: 1.0, side: MPSide::User, ..MPPar::default() };
         Self {
             entry,
@@ -171,6 +213,7 @@ impl<'a> Problem<'a> {
             unknowns,
             target,
             options,
+            watch,
             channels: if target.is_grey() { 1 } else { 3 },
             floor: floor(target),
             limits: unknowns.iter().map(|_| limit()).collect(),
@@ -261,6 +304,9 @@ impl<'a> Problem<'a> {
 impl MPFitter for Problem<'_> {
     /// A step to where nothing is finite is worse than any other, so that a shorter one is tried.
     fn eval(&mut self, u: &[f64], deviates: &mut [f64]) -> MPResult<()> {
+        if !self.watch.goes_on() {
+            return Err(MPError::Eval);
+        }
         if self.residuals(u, deviates).is_none() {
             deviates.fill(1e6 * self.target.rms().max(1.0));
         }
@@ -285,6 +331,9 @@ impl MPFitter for Problem<'_> {
         let (mut low, mut high) = (deviates.to_vec(), deviates.to_vec());
         for (index, column) in derivs.iter_mut().enumerate() {
             let Some(column) = column else { continue };
+            if !self.watch.goes_on() {
+                return Err(MPError::Eval);
+            }
             let (mut below, mut above) = around(u[index]);
             let mut moved = u.to_vec();
             moved[index] = below;

@@ -53,7 +53,7 @@ fn lobes_fit_the_wave_optical_model_as_well_as_is_known() {
         target("htsg", &[("sigma0", "0.28"), ("tau", "1.77"), ("lambda", "0.5"), ("eta", "0.77"), ("kappa", "6.08")], &one_azimuth());
     for (count, known, limit) in [(1, 0.170, 0.18), (2, 0.119, 0.125), (3, 0.114, 0.12)] {
         let (entry, values, options) = lobes(count);
-        let found = fit(entry, &values, &wave, &options).unwrap();
+        let found = fit(entry, &values, &wave, &options, &()).unwrap();
         let rms = found.report.relative_rms;
         assert!(rms <= limit && (rms - known).abs() < 6e-4, "{count} lobes: {rms}, {}", found.values);
         assert!(found.agreeing >= 3, "{count} lobes: only {} starts of {} agree", found.agreeing, options.starts);
@@ -74,7 +74,7 @@ fn three_known_lobes_are_found_again() {
     let text = planted.map(|row| row.map(|v| v.to_string()).join(",")).join(";");
     let samples = target("lafortune", &[("kd", "0"), ("lobe", &text)], &one_azimuth());
     let (entry, values, options) = lobes(3);
-    let found = fit(entry, &values, &samples, &options).unwrap();
+    let found = fit(entry, &values, &samples, &options, &()).unwrap();
     let error = furthest(&sorted(&found.values), &planted);
     assert!(error < 1e-3 && found.report.relative_rms < 1e-6, "{error}: {}", found.values);
     let mut faulty = planted;
@@ -122,7 +122,7 @@ fn recovery(entry: &'static ModelEntry, free: &[&str]) -> (f64, f64) {
     let model = (entry.make)(&planted, Form::Corrected).unwrap();
     let samples = Samples::of_model(&*model, &measured()).with_noise(0.01, 5);
     let options = Options { metric: Metric::Log, starts: 4, free, ..Options::default() };
-    errors(&fit(entry, &defaults, &samples, &options).unwrap(), &planted, &unknowns)
+    errors(&fit(entry, &defaults, &samples, &options, &()).unwrap(), &planted, &unknowns)
 }
 
 /// Models of more than four numbers: what is found again of them. Their other numbers do nearly the same as these (scale and reflectance at normal
@@ -159,7 +159,7 @@ fn wrong_estimates_are_noticed() {
     let (entry, values) = start("phong", &[("kd", "0.3"), ("ks", "0.5"), ("n", "30")]);
     let samples = target("phong", &[("kd", "0.3"), ("ks", "0.5"), ("n", "30")], &Grid::default()).with_noise(0.01, 5);
     let unknowns = unknowns(entry, &values, &[], true, false).unwrap();
-    let mut found = fit(entry, &values, &samples, &Options { metric: Metric::Log, starts: 2, ..Options::default() }).unwrap();
+    let mut found = fit(entry, &values, &samples, &Options { metric: Metric::Log, starts: 2, ..Options::default() }, &()).unwrap();
     let (relative, scaled) = errors(&found, &values, &unknowns);
     assert!(relative < 0.02 && scaled < 4.5, "{relative} {scaled}");
     found.estimates[2].value *= 1.03;
@@ -167,7 +167,7 @@ fn wrong_estimates_are_noticed() {
     assert!(relative > 0.02 && scaled > 4.5, "an exponent that is 3 % off: {relative} {scaled}");
     // A model that cannot be the target is far from it, by every measure.
     let (lambert, defaults) = start("lambert", &[]);
-    let poor = fit(lambert, &defaults, &samples, &Options::default()).unwrap().report;
+    let poor = fit(lambert, &defaults, &samples, &Options::default(), &()).unwrap().report;
     assert!(poor.relative_rms > 0.3 && poor.log_rms > 0.3 && found.report.relative_rms < 0.02, "{poor:?}");
 }
 
@@ -226,7 +226,7 @@ fn colours_have_three_numbers_and_limits_between_parameters_hold() {
     let colours = [("kd", "0.6,0.3,0.1"), ("ks", "0.4,0.2,0.3"), ("n", "12")];
     let samples = target("phong", &colours, &one_azimuth());
     let (entry, values) = start("phong", &[]);
-    let found = fit(entry, &values, &samples, &Options::default()).unwrap();
+    let found = fit(entry, &values, &samples, &Options::default(), &()).unwrap();
     let expected = entry.values(&colours).unwrap();
     let unknowns = unknowns(entry, &values, &[], false, false).unwrap();
     assert_eq!(found.estimates.len(), 7);
@@ -241,11 +241,11 @@ fn colours_have_three_numbers_and_limits_between_parameters_hold() {
 fn numbers_without_effect_are_named_and_not_reported_as_found() {
     let samples = target("phong-bsf", &[("n", "20")], &one_azimuth());
     let (entry, values) = start("phong-bsf", &[]);
-    let found = fit(entry, &values, &samples, &Options::default()).unwrap();
+    let found = fit(entry, &values, &samples, &Options::default(), &()).unwrap();
     assert_eq!(found.idle, ["c"]);
     assert_eq!(found.estimates.iter().map(|e| e.name.as_str()).collect::<Vec<_>>(), ["kd", "ks", "n"]);
     assert_eq!(found.values.get("c"), values.get("c"));
-    let alone = fit(entry, &values, &samples, &Options { free: vec!["c".into()], ..Options::default() });
+    let alone = fit(entry, &values, &samples, &Options { free: vec!["c".into()], ..Options::default() }, &());
     assert!(matches!(alone, Err(FitError::NotFree { .. })), "nothing to fit");
 }
 
@@ -283,13 +283,40 @@ fn what_cannot_be_fitted_is_refused_with_a_reason() {
     let one = Samples::from_csv(&format!("{head}0,0,0,0,1\n")).unwrap();
     let said = |samples: &Samples, free: &[&str]| {
         let free = free.iter().map(ToString::to_string).collect();
-        fit(entry, &values, samples, &Options { free, ..Options::default() }).err().unwrap().to_string()
+        fit(entry, &values, samples, &Options { free, ..Options::default() }, &()).err().unwrap().to_string()
     };
     assert_eq!(said(&one, &[]), "1 values cannot determine 3 unknowns; give more samples or free fewer parameters");
     assert!(said(&one, &["x"]).contains("no parameter is called \"x\""));
     let black = Samples::from_csv(&format!("{head}0,0,0,0,0\n")).unwrap();
     assert!(said(&black, &["kd"]).contains("the target is 0"));
     let (entry, values) = start("lafortune", &[]);
-    let without_rows = fit(entry, &values, &one, &Options { free: vec!["lobe".into()], ..Options::default() });
+    let without_rows = fit(entry, &values, &one, &Options { free: vec!["lobe".into()], ..Options::default() }, &());
     assert!(without_rows.err().unwrap().to_string().contains("give lobes"));
+}
+
+/// Ends a fit after some starts, or before the first evaluation.
+struct Until(std::sync::atomic::AtomicUsize, usize);
+
+impl Watch for Until {
+    fn done(&self, starts: usize) {
+        self.0.fetch_max(starts, std::sync::atomic::Ordering::Relaxed);
+    }
+    fn goes_on(&self) -> bool {
+        self.0.load(std::sync::atomic::Ordering::Relaxed) < self.1
+    }
+}
+
+#[test]
+fn a_fit_that_is_ended_keeps_what_was_found() {
+    let (entry, values) = start("ward", &[]);
+    let samples = target("ward", &[("mx", "0.3"), ("my", "0.3")], &one_azimuth());
+    let options = Options { free: vec!["mx".into(), "my".into()], starts: 64, ..Options::default() };
+    let until = |starts: usize| Until(0.into(), starts);
+    // One thread, so that no other start ends meanwhile: the one that ends the fit is counted, but broken off by its own end.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let found = pool.install(|| fit(entry, &values, &samples, &options, &until(3)).unwrap());
+    assert!(found.tried == 3 && found.agreeing <= 3, "{} {}", found.tried, found.agreeing);
+    assert!((found.estimates[0].value - 0.3).abs() < 1e-6, "{}", found.estimates[0].value);
+    let none = pool.install(|| fit(entry, &values, &samples, &options, &until(0)));
+    assert!(matches!(none, Err(FitError::Interrupted)));
 }

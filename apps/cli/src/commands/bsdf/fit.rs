@@ -4,7 +4,8 @@ use super::{choose, entry, prepare};
 use crate::arguments::Common;
 use crate::arguments::bsdf::{Fit, Form, Metric};
 use crate::failure::{Failure, Outcome};
-use crate::output;
+use crate::{output, progress};
+use indicatif::ProgressBar;
 use kajo_bsdf::models::lafortune::phong_row;
 use kajo_bsdf_lab::fit::{self, FitError, Grid, Options, Samples};
 use kajo_params::{ParamKind, ParamValues};
@@ -35,10 +36,13 @@ pub fn run(common: &Common, arguments: &Fit) -> Outcome {
         seed: arguments.seed,
         form: choice.form.into(),
     };
-    let found = fit::fit(model, &chosen.values, &target, &options).map_err(|error| match error {
+    let bar = progress::bar(common.quiet, "fit");
+    bar.set_length(options.starts as u64);
+    let found = fit::fit(model, &chosen.values, &target, &options, &OnTerminal(&bar)).map_err(|error| match error {
         FitError::NotFree { .. } => Failure::usage(error),
         other => Failure::Run(other.into()),
     })?;
+    bar.finish_and_clear();
     if let Some(path) = &arguments.output {
         kajo_image::write_atomic(path, material(model.id, &found.values, choice.form)?.as_bytes())?;
     }
@@ -57,7 +61,7 @@ pub fn run(common: &Common, arguments: &Fit) -> Outcome {
             "log_rms": report.log_rms,
             "by_theta_i": report.by_theta_i.iter().map(|a| json!({ "theta_i": a.theta_i, "rms": a.rms, "relative_rms": a.relative_rms,
                 "samples": a.samples })).collect::<Vec<_>>(),
-            "starts": options.starts,
+            "starts": found.tried,
             "agreeing_starts": found.agreeing,
             "evaluations": found.evaluations,
         }));
@@ -82,12 +86,24 @@ pub fn run(common: &Common, arguments: &Fit) -> Outcome {
         found.values,
         target.as_slice().len(),
         found.agreeing,
-        options.starts,
+        found.tried,
         output::table(&["free", "value", "standard error"], &estimates),
         output::table(&["θi, deg", "rms of error·cos θi·cos θr, 1/sr", "relative", "samples"], &angles),
         report.relative_rms,
         report.log_rms
     ))
+}
+
+/// Shows the starts that are done; Ctrl-C ends the fit with the best of them.
+struct OnTerminal<'a>(&'a ProgressBar);
+
+impl fit::Watch for OnTerminal<'_> {
+    fn done(&self, starts: usize) {
+        self.0.set_position(starts as u64);
+    }
+    fn goes_on(&self) -> bool {
+        !progress::interrupted()
+    }
 }
 
 /// What to fit to, and its name.

@@ -1,4 +1,4 @@
-//! Timing of the build and of single rays, on any triangles and rays.
+//! Timing of the build and of rays, on any triangles and rays.
 
 use crate::{
     blas::Blas,
@@ -17,6 +17,8 @@ use std::time::Instant;
 pub struct RayBenchOptions {
     /// Ask whether anything is hit instead of what is hit first.
     pub any_hit: bool,
+    /// Trace each ray by itself instead of letting neighbours share a walk where they are alike.
+    pub one_at_a_time: bool,
     /// Threads of the build and of tracing; 0 for one a core.
     pub threads: usize,
     /// How often to build and to trace; at least once.
@@ -25,7 +27,7 @@ pub struct RayBenchOptions {
 
 impl Default for RayBenchOptions {
     fn default() -> Self {
-        Self { any_hit: false, threads: 0, repeat: 5 }
+        Self { any_hit: false, one_at_a_time: false, threads: 0, repeat: 5 }
     }
 }
 
@@ -88,7 +90,7 @@ fn run(triangles: &[[Vec3; 3]], rays: &[Ray], options: &RayBenchOptions) -> Resu
     let (mut hits, mut t_sum) = (0, 0.0);
     for _ in 0..repeat {
         let start = Instant::now();
-        (hits, t_sum) = if options.any_hit { (any_hits(&tlas, rays), 0.0) } else { closest_hits(&tlas, rays) };
+        (hits, t_sum) = if options.any_hit { (any_hits(&tlas, rays, options), 0.0) } else { closest_hits(&tlas, rays, options) };
         trace_seconds.push(start.elapsed().as_secs_f64());
     }
     let (build, build_median) = best_and_median(build_seconds);
@@ -110,25 +112,33 @@ fn run(triangles: &[[Vec3; 3]], rays: &[Ray], options: &RayBenchOptions) -> Resu
 }
 
 /// Hits, and the sum of their distances in the order of the rays: the same at any number of threads.
-fn closest_hits(tlas: &Tlas, rays: &[Ray]) -> (usize, f64) {
-    let parts: Vec<(usize, f64)> = rays
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            let mut hits = [None; CHUNK];
-            tlas.closest_hits(chunk, Filter::ALL, |_, _| true, &mut hits[..chunk.len()]);
-            hits.iter().flatten().fold((0, 0.0), |(hits, sum), hit| (hits + 1, sum + f64::from(hit.t)))
-        })
-        .collect();
+fn closest_hits(tlas: &Tlas, rays: &[Ray], options: &RayBenchOptions) -> (usize, f64) {
+    let trace = |rays: &[Ray]| {
+        let mut hits = [None; CHUNK];
+        let hits = &mut hits[..rays.len()];
+        if options.one_at_a_time {
+            rays.iter().zip(&mut *hits).for_each(|(ray, hit)| *hit = tlas.closest_hit_opaque(ray, Filter::ALL));
+        } else {
+            tlas.closest_hits(rays, Filter::ALL, |_, _| true, hits);
+        }
+        hits.iter().flatten().fold((0, 0.0), |(hits, sum), hit| (hits + 1, sum + f64::from(hit.t)))
+    };
+    let parts: Vec<(usize, f64)> = rays.par_chunks(CHUNK).map(trace).collect();
     parts.into_iter().fold((0, 0.0), |(hits, sum), part| (hits + part.0, sum + part.1))
 }
 
-fn any_hits(tlas: &Tlas, rays: &[Ray]) -> usize {
-    let any = |chunk: &[Ray]| {
+fn any_hits(tlas: &Tlas, rays: &[Ray], options: &RayBenchOptions) -> usize {
+    let trace = |rays: &[Ray]| {
         let mut hits = [false; CHUNK];
-        tlas.any_hits(chunk, Filter::ALL, |_, _| true, &mut hits[..chunk.len()]);
+        let hits = &mut hits[..rays.len()];
+        if options.one_at_a_time {
+            rays.iter().zip(&mut *hits).for_each(|(ray, hit)| *hit = tlas.any_hit_opaque(ray, Filter::ALL));
+        } else {
+            tlas.any_hits(rays, Filter::ALL, |_, _| true, hits);
+        }
         hits.iter().filter(|&&hit| hit).count()
     };
-    rays.par_chunks(CHUNK).map(any).sum()
+    rays.par_chunks(CHUNK).map(trace).sum()
 }
 
 fn best_and_median(mut seconds: Vec<f64>) -> (f64, f64) {
@@ -176,14 +186,16 @@ mod tests {
     }
 
     #[test]
-    fn the_report_does_not_depend_on_threads() {
+    fn the_report_depends_neither_on_threads_nor_on_packets() {
         let triangles: Vec<[Vec3; 3]> =
             (0..500).map(|i| [Vec3::new(0.0, 0.0, i as f32), Vec3::new(9.0, 0.0, i as f32), Vec3::new(0.0, 9.0, i as f32)]).collect();
         let rays: Vec<Ray> = (0..10_000)
             .map(|i| Ray::new(Vec3::new((i % 97) as f32 * 0.1, (i % 89) as f32 * 0.1, (i % 501) as f32 - 0.5), Vec3::new(0.01, 0.02, 1.0)))
             .collect();
-        let report = |threads, any_hit| bench_rays(&triangles, &rays, &RayBenchOptions { any_hit, threads, repeat: 2 }).unwrap();
-        let (one, three, any) = (report(1, false), report(3, false), report(2, true));
+        let report = |threads, any_hit, one_at_a_time| {
+            bench_rays(&triangles, &rays, &RayBenchOptions { any_hit, one_at_a_time, threads, repeat: 2 }).unwrap()
+        };
+        let (one, three, any) = (report(1, false, false), report(3, false, true), report(2, true, false));
         assert_eq!((one.threads, three.threads, any.threads), (1, 3, 2));
         assert_eq!((one.hits, one.t_sum), (three.hits, three.t_sum));
         assert_eq!((any.hits, any.t_sum), (one.hits, 0.0));

@@ -251,6 +251,9 @@ pub struct BenchRays {
     /// Ask whether anything is hit instead of what is hit first
     #[arg(long)]
     pub any_hit: bool,
+    /// Trace each ray by itself instead of neighbours together where they run alike
+    #[arg(long)]
+    pub one_at_a_time: bool,
     /// Worker threads [default: all]; does not change the result
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1..=1024u16))]
     pub threads: Option<u16>,

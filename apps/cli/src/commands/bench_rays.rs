@@ -10,7 +10,7 @@ use kajo_image::read_file;
 use serde_json::json;
 use std::path::Path;
 
-/// Times single rays; the JSON also says what was traced, so that two programs can be seen to have answered the same question.
+/// Times rays; the JSON also says what was traced, so that two programs can be seen to have answered the same question.
 pub fn run(common: &Common, arguments: &BenchRays) -> Outcome {
     let triangles = read(&arguments.triangles, "triangles", 9, triangles_from_bytes)?;
     let rays = read(&arguments.rays, "rays", 8, rays_from_bytes)?;
@@ -20,6 +20,7 @@ pub fn run(common: &Common, arguments: &BenchRays) -> Outcome {
     }
     let options = RayBenchOptions {
         any_hit: arguments.any_hit,
+        one_at_a_time: arguments.one_at_a_time,
         threads: arguments.threads.map_or(0, usize::from),
         repeat: arguments.repeat as usize,
     };
@@ -49,7 +50,7 @@ fn read<T>(path: &Path, what: &str, each: usize, parse: impl Fn(&[u8]) -> Option
 
 fn as_json(report: &RayBenchReport, arguments: &BenchRays) -> serde_json::Value {
     json!({
-        "triangles": report.triangles, "rays": report.rays, "any_hit": arguments.any_hit,
+        "triangles": report.triangles, "rays": report.rays, "any_hit": arguments.any_hit, "one_at_a_time": arguments.one_at_a_time,
         "threads": report.threads, "backend": format!("{:?}", report.backend).to_lowercase(), "repeat": arguments.repeat,
         "build_ms": report.build_ms, "build_ms_median": report.build_ms_median, "bytes_per_triangle": report.bytes_per_triangle,
         "mrays_per_s": report.mrays_per_s, "mrays_per_s_median": report.mrays_per_s_median,

@@ -40,7 +40,7 @@ fn camera_rays(views: usize, side: usize, size: f32, seed: u64) -> Vec<Ray> {
 
 /// What is asked of hits on surfaces that are not opaque: depends on the ray too.
 fn accepts(ray: usize, hit: &Hit) -> bool {
-    (hit.primitive as usize + ray) % 3 != 0
+    !(hit.primitive as usize + ray).is_multiple_of(3)
 }
 
 /// Compares all rays with the loop over all triangles; gives the number of hits.

@@ -4,6 +4,8 @@
 //! rays. Arrays of sixteen numbers become registers of the instructions that the walk is compiled for. Every hit is, bit for bit, that of
 //! the ray alone.
 
+#![allow(clippy::needless_range_loop, reason = "one index into many arrays is what becomes registers")]
+
 mod crossing;
 mod frustum;
 mod nearest;

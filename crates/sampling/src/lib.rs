@@ -6,6 +6,7 @@
 
 mod bits;
 pub mod distribution;
+pub mod environment;
 mod frame;
 mod halton;
 mod mis;
@@ -13,16 +14,18 @@ mod rng;
 mod sampler;
 mod sobol;
 pub mod statistics;
+mod steps;
 pub mod warp;
 
 pub use bits::{hash_u32, hash_u64, morton_2d, nested_uniform_scramble, unit_f32};
-pub use distribution::{AliasTable, Piecewise1d, Piecewise2d};
+pub use distribution::{Alias2d, AliasTable, Piecewise1d, Piecewise2d};
 pub use frame::Frame;
 pub use halton::{halton_2d, hammersley_2d, radical_inverse};
 pub use mis::{balance_heuristic, power_heuristic};
 pub use rng::Rng;
 pub use sampler::{Sampler, SamplerKind};
 pub use sobol::sobol_2d;
+pub use steps::Steps;
 
 #[cfg(test)]
 mod experiments;

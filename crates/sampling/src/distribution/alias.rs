@@ -70,6 +70,11 @@ impl AliasTable {
         self.total
     }
 
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.bins.as_slice())
+    }
+
     /// True when all weights are zero and the choice is uniform.
     pub fn is_zero(&self) -> bool {
         self.total <= 0.0

@@ -1,6 +1,7 @@
 //! Piecewise constant densities on the unit interval and the unit square.
 
 use super::clean;
+use crate::Steps;
 use crate::bits::ONE_MINUS_EPSILON;
 use glam::{UVec2, Vec2};
 
@@ -39,8 +40,18 @@ impl Piecewise1d {
     /// A point x in [0, 1), its density and its cell.
     #[inline]
     pub fn sample(&self, u: f32) -> (f32, f32, usize) {
+        self.sample_counted(u, &mut ())
+    }
+
+    /// [`Self::sample`], counting the reads of the search.
+    #[inline]
+    pub fn sample_counted(&self, u: f32, steps: &mut impl Steps) -> (f32, f32, usize) {
+        let below = |&c: &f32| {
+            steps.step();
+            c <= u
+        };
         // The last cell whose lower bound is ≤ u; empty cells are skipped because their bounds coincide.
-        let cell = (self.cdf.partition_point(|&c| c <= u)).clamp(1, self.density.len()) - 1;
+        let cell = (self.cdf.partition_point(below)).clamp(1, self.density.len()) - 1;
         let (low, high) = (self.cdf[cell], self.cdf[cell + 1]);
         let t = if high > low { ((u - low) / (high - low)).clamp(0.0, ONE_MINUS_EPSILON) } else { 0.5 };
         // Rounding must not move x into a neighbouring cell: stay two units in the last place inside the bounds.
@@ -105,8 +116,14 @@ impl Piecewise2d {
     /// A point and its density per unit area of the square.
     #[inline]
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
-        let (y, pdf_y, row) = self.marginal.sample(u.y);
-        let (x, pdf_x, _) = self.rows[row].sample(u.x);
+        self.sample_counted(u, &mut ())
+    }
+
+    /// [`Self::sample`], counting the reads of both searches: O(log width + log height).
+    #[inline]
+    pub fn sample_counted(&self, u: Vec2, steps: &mut impl Steps) -> (Vec2, f32) {
+        let (y, pdf_y, row) = self.marginal.sample_counted(u.y, steps);
+        let (x, pdf_x, _) = self.rows[row].sample_counted(u.x, steps);
         (Vec2::new(x, y), pdf_x * pdf_y)
     }
 
@@ -135,6 +152,16 @@ impl Piecewise2d {
     /// Width and height in cells.
     pub fn size(&self) -> UVec2 {
         UVec2::new(self.rows[0].len() as u32, self.rows.len() as u32)
+    }
+
+    /// Memory of the tables, bytes.
+    pub fn bytes(&self) -> usize {
+        self.rows.iter().chain([&self.marginal]).map(|row| size_of_val(row.cdf.as_slice()) + size_of_val(row.density.as_slice())).sum()
+    }
+
+    /// Memory of the cumulative values alone, bytes: densities are their differences, and a program short of memory would store only these.
+    pub fn cumulative_bytes(&self) -> usize {
+        self.rows.iter().chain([&self.marginal]).map(|row| size_of_val(row.cdf.as_slice())).sum()
     }
 }
 
@@ -180,6 +207,20 @@ mod tests {
             assert!(d.inverse(d.sample(u).0).abs_diff_eq(u, 1e-5));
         }
         assert_eq!(d.size(), UVec2::new(4, 3));
+    }
+
+    #[test]
+    fn the_search_grows_with_the_logarithm_of_the_map() {
+        let reads = |width: usize, height: usize| {
+            let d = Piecewise2d::new(&vec![1.0; width * height], width, height).unwrap();
+            let (mut reads, mut rng) = (0u64, Rng::new(43));
+            for _ in 0..1000 {
+                d.sample_counted(rng.next_2d(), &mut reads);
+            }
+            reads as f64 / 1000.0
+        };
+        let [small, middle, large] = [reads(64, 32), reads(256, 128), reads(1024, 512)];
+        assert!((middle - small - 4.0).abs() < 0.5 && (large - middle - 4.0).abs() < 0.5, "{small}, {middle}, {large}");
     }
 
     #[test]

@@ -58,14 +58,14 @@ impl Placed {
         self.identity
     }
 
-    /// The rays in object space; `None` if one of them cannot hit anything there.
+    /// The rays in object space.
     #[inline(always)]
-    pub fn local_rays<const N: usize>(&self, rays: &[Ray; N]) -> Option<[Ray; N]> {
+    pub fn local_rays<const N: usize>(&self, rays: &[Ray; N]) -> [Ray; N] {
         let mut local = *rays;
         for ray in &mut local {
-            *ray = self.local_ray(ray)?;
+            *ray = self.to_object(ray);
         }
-        Some(local)
+        local
     }
 
     /// The ray in object space, where `t` means the same; `None` if it cannot hit anything there.
@@ -74,12 +74,17 @@ impl Placed {
         if self.identity {
             return Some(*ray);
         }
-        let local = Ray {
+        let local = self.to_object(ray);
+        local.is_usable().then_some(local)
+    }
+
+    #[inline(always)]
+    fn to_object(&self, ray: &Ray) -> Ray {
+        Ray {
             origin: self.object_from_world.transform_point3(ray.origin),
             direction: self.object_from_world.transform_vector3(ray.direction),
             ..*ray
-        };
-        local.is_usable().then_some(local)
+        }
     }
 }
 

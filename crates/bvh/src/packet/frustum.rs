@@ -31,6 +31,8 @@ pub(crate) struct Frustum {
     pub t_min: f32,
     /// 1/d of each ray, and what is added to a product with it: as in [`SlabRay`](crate::slab::SlabRay).
     each: [Each; 3],
+    /// Whether no number overflows; nothing else means anything if not.
+    pub finite: bool,
 }
 
 /// One axis of every ray.
@@ -45,16 +47,9 @@ struct Each {
 const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 40) as f32;
 
 impl Frustum {
-    /// Prepares rays whose directions have one sign on each axis for boxes inside `bounds`; `None` if numbers overflow.
+    /// Prepares rays whose directions have one sign on each axis for boxes inside `bounds`.
     #[inline(always)]
-    pub fn new(
-        origin: &[[f32; SIZE]; 3],
-        direction: &[[f32; SIZE]; 3],
-        t_min: f32,
-        bounds: &Aabb,
-        margin: f32,
-        extra: f32,
-    ) -> Option<Self> {
+    pub fn new(origin: &[[f32; SIZE]; 3], direction: &[[f32; SIZE]; 3], t_min: f32, bounds: &Aabb, margin: f32, extra: f32) -> Self {
         let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
         let (mut distance, mut far_from_zero, mut longest) = (0.0f32, 0.0f32, [0.0f32; SIZE]);
         for axis in 0..3 {
@@ -75,6 +70,7 @@ impl Frustum {
             far_planes: [0; 3],
             t_min,
             each: [Each { reciprocal: [0.0; SIZE], near: [0.0; SIZE], far: [0.0; SIZE] }; 3],
+            finite: true,
         };
         for axis in 0..3 {
             let (o, d) = (&origin[axis], &direction[axis]);
@@ -102,11 +98,11 @@ impl Frustum {
         }
         // A plane is at most `distance + |o|` from zero.
         let reach = distance + far_from_zero;
-        let finite = |axis: usize| {
+        for axis in 0..3 {
             let r = greater(frustum.reciprocal[axis].low.abs(), frustum.reciprocal[axis].high.abs());
-            (r * reach).is_finite() && frustum.near[axis].is_finite() && frustum.far[axis].is_finite()
-        };
-        (finite(0) && finite(1) && finite(2)).then_some(frustum)
+            frustum.finite &= (r * reach).is_finite() && frustum.near[axis].is_finite() && frustum.far[axis].is_finite();
+        }
+        frustum
     }
 
     /// Children that one of the rays may meet between its start and `t_max`, one bit each, and a distance before which none enters.

@@ -104,12 +104,14 @@ pub(crate) struct Packet {
     direction: [[f32; SIZE]; 3],
     t_min: [f32; SIZE],
     sheared: ShearedRays,
+    /// Whether they are alike enough to be traced together; nothing else means anything if not. A flag and no `Option`, which would be copied.
+    pub alike: bool,
 }
 
 impl Packet {
-    /// `None` if one of the rays hits nothing or if they run too differently.
+    /// Not [`alike`](Self::alike) if one of the rays hits nothing or if they run too differently.
     #[inline(always)]
-    pub fn new(rays: &[Ray; SIZE]) -> Option<Self> {
+    pub fn new(rays: &[Ray; SIZE]) -> Self {
         let (mut origin, mut direction, mut t_min) = ([[0.0; SIZE]; 3], [[0.0; SIZE]; 3], [0.0; SIZE]);
         for (i, ray) in rays.iter().enumerate() {
             let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
@@ -145,12 +147,9 @@ impl Packet {
         let spread = greater(span(&shear[0]).width(), span(&shear[1]).width());
         // NaN, of a direction without length, is no spread that would do.
         let narrow = spread <= MOST_SPREAD;
-        let alike = fold(&signs, |a, b| a | b) >> 31 == 0 && fold(&unlike, |a, b| a | b) == 0;
-        if !(alike && narrow) {
-            return None;
-        }
+        let alike = narrow && fold(&signs, |a, b| a | b) >> 31 == 0 && fold(&unlike, |a, b| a | b) == 0;
         let sheared = ShearedRays { axes: [x, y, z], origin: [origin[x], origin[y], origin[z]], shear, dz: direction[z] };
-        Some(Self { origin, direction, t_min, sheared })
+        Self { origin, direction, t_min, sheared, alike }
     }
 
     /// Which axes become x, y and z of the sheared space.
@@ -161,7 +160,7 @@ impl Packet {
 
     /// The rays prepared for boxes inside `bounds`, with a margin as in [`SlabRay`](crate::slab::SlabRay).
     #[inline(always)]
-    fn frustum(&self, bounds: &Aabb, margin: f32, extra: f32) -> Option<Frustum> {
+    fn frustum(&self, bounds: &Aabb, margin: f32, extra: f32) -> Frustum {
         Frustum::new(&self.origin, &self.direction, fold(&self.t_min, less), bounds, margin, extra)
     }
 }
@@ -178,7 +177,7 @@ mod tests {
 
     #[test]
     fn rows_of_pixels_are_packets() {
-        assert!(may_be_alike(&row()) && Packet::new(&row()).is_some());
+        assert!(may_be_alike(&row()) && Packet::new(&row()).alike);
     }
 
     #[test]
@@ -200,7 +199,7 @@ mod tests {
             ("an origin out of bounds", Ray::new(Vec3::splat(1e19), Vec3::new(0.1, -0.2, -1.0))),
         ] {
             for i in [0, 7, 15] {
-                assert!(Packet::new(&with(i, ray)).is_none(), "{what}");
+                assert!(!Packet::new(&with(i, ray)).alike, "{what}");
             }
         }
         assert!(!may_be_alike(&with(15, from([0.1, -0.2, 1.0]))));

@@ -30,7 +30,10 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> Task for &mut PacketWorld<'
     #[inline(always)]
     fn run<L: Lanes>(self) {
         // No closures around what is inlined here: they would be compiled without the instructions.
-        let Some(packet) = Packet::new(self.rays) else { return };
+        let packet = Packet::new(self.rays);
+        if !packet.alike {
+            return;
+        }
         let tree = self.tlas.tree();
         if tree.root == Child::NONE {
         } else if tree.root.is_leaf() {
@@ -38,7 +41,10 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> Task for &mut PacketWorld<'
             InWorld { packet: &packet, world: self }.leaf::<L>(tree.root.items());
         } else {
             let (margin, extra) = self.tlas.margin();
-            let Some(frustum) = packet.frustum(&tree.bounds, margin, extra) else { return };
+            let frustum = packet.frustum(&tree.bounds, margin, extra);
+            if !frustum.finite {
+                return;
+            }
             walk::<L, _, _>(tree, &frustum, &mut InWorld { packet: &packet, world: self });
         }
         self.traced = true;
@@ -74,13 +80,8 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> Visitor for InWorld<'_, '_,
             if placed.is_in_place() {
                 self.world.enter::<L>(&instance, self.packet);
             } else {
-                match placed.local_rays(self.world.rays) {
-                    Some(rays) => match Packet::new(&rays) {
-                        Some(packet) => self.world.enter::<L>(&instance, &packet),
-                        None => self.world.enter_alone::<L>(&instance),
-                    },
-                    None => self.world.enter_alone::<L>(&instance),
-                }
+                // A ray that cannot hit anything there is none that is alike.
+                self.world.enter::<L>(&instance, &Packet::new(&placed.local_rays(self.world.rays)));
             }
             if ANY && self.limit() == f32::NEG_INFINITY {
                 return true;
@@ -103,12 +104,12 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> PacketWorld<'_, F, ANY> {
     #[inline(always)]
     fn enter<L: Lanes>(&mut self, instance: &Instance, packet: &Packet) {
         let tree = instance.blas.tree();
-        match packet.frustum(&tree.bounds, MARGIN, 0.0) {
-            Some(frustum) => {
-                let limit = self.nearest.farthest();
-                walk::<L, _, _>(tree, &frustum, &mut InMesh { instance, packet, frustum: &frustum, limit, world: self });
-            }
-            None => self.enter_alone::<L>(instance),
+        let frustum = packet.frustum(&tree.bounds, MARGIN, 0.0);
+        if packet.alike && frustum.finite {
+            let limit = self.nearest.farthest();
+            walk::<L, _, _>(tree, &frustum, &mut InMesh { instance, packet, frustum: &frustum, limit, world: self });
+        } else {
+            self.enter_alone::<L>(instance);
         }
     }
 

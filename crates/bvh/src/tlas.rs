@@ -63,7 +63,7 @@ impl Placed {
     pub fn local_rays<const N: usize>(&self, rays: &[Ray; N]) -> [Ray; N] {
         let mut local = *rays;
         for ray in &mut local {
-            *ray = self.to_object(ray);
+            *ray = self.in_object(ray);
         }
         local
     }
@@ -74,12 +74,12 @@ impl Placed {
         if self.identity {
             return Some(*ray);
         }
-        let local = self.to_object(ray);
+        let local = self.in_object(ray);
         local.is_usable().then_some(local)
     }
 
     #[inline(always)]
-    fn to_object(&self, ray: &Ray) -> Ray {
+    fn in_object(&self, ray: &Ray) -> Ray {
         Ray {
             origin: self.object_from_world.transform_point3(ray.origin),
             direction: self.object_from_world.transform_vector3(ray.direction),

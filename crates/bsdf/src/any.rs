@@ -1,7 +1,7 @@
 //! The BSDF of a surface, whichever it is: glTF's layered material, or a model of the library.
 
 use crate::models::Reflectance;
-use crate::{Bsdf, BsdfSample, BsdfView, Lobe, LobeValues};
+use crate::{Bsdf, BsdfSample, BsdfView, LambertView, Lobe, LobeValues};
 use glam::{Vec2, Vec3};
 use kajo_units::LinearRgb;
 use std::sync::Arc;
@@ -19,6 +19,8 @@ pub enum AnyBsdf {
 /// [`AnyBsdf`] seen from one direction.
 #[allow(clippy::large_enum_variant, reason = "it lives on the stack of one bounce")]
 pub enum AnyBsdfView<'a> {
+    /// glTF's material where it is plain Lambert.
+    Lambert(LambertView),
     /// glTF's material.
     Layered(BsdfView<'a>),
     /// A model of the library.
@@ -42,7 +44,10 @@ impl AnyBsdf {
     #[inline]
     pub fn view(&self, wo: Vec3) -> AnyBsdfView<'_> {
         match self {
-            Self::Layered(bsdf) => AnyBsdfView::Layered(bsdf.view(wo)),
+            Self::Layered(bsdf) => match bsdf.lambert_view(wo) {
+                Some(view) => AnyBsdfView::Lambert(view),
+                None => AnyBsdfView::Layered(bsdf.view(wo)),
+            },
             Self::Model(model) => AnyBsdfView::Model(ModelView::new(&**model, wo)),
         }
     }
@@ -62,6 +67,7 @@ impl AnyBsdfView<'_> {
     #[inline]
     pub fn eval(&self, wi: Vec3) -> (LobeValues, f32) {
         match self {
+            Self::Lambert(view) => view.eval(wi),
             Self::Layered(view) => view.eval(wi),
             Self::Model(view) => view.eval(wi),
         }
@@ -71,6 +77,7 @@ impl AnyBsdfView<'_> {
     #[inline]
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         match self {
+            Self::Lambert(view) => view.sample(u),
             Self::Layered(view) => view.sample(u_lobe, u),
             Self::Model(view) => view.sample(u_lobe, u),
         }

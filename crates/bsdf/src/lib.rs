@@ -18,7 +18,7 @@ pub use any::{AnyBsdf, AnyBsdfView, ModelView};
 pub use fresnel::{
     f0_from_ior, fresnel_conductor, fresnel_dielectric, fresnel_schlick, fresnel_schlick_average, ior_from_f0, schlick_weight,
 };
-pub use layered::{Bsdf, BsdfSample, BsdfView, Lobe, LobeValues};
+pub use layered::{Bsdf, BsdfSample, BsdfView, LambertView, Lobe, LobeValues};
 pub use material::MaterialParams;
 pub use microfacet::*;
 pub use sheen::{SHEEN_MIN_ALPHA, sheen_albedo, sheen_d, sheen_lambda, sheen_visibility};

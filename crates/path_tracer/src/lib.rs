@@ -23,6 +23,7 @@ mod fingerprint;
 mod frame;
 mod integrator;
 mod lights;
+mod points;
 mod ray_start;
 mod record;
 mod render;

@@ -173,7 +173,8 @@ mod tests {
             let direction = (target - Vec3::new(0.1, 0.4, rng.next_1d() * 0.1)).normalize();
             let from = target - 0.3 * direction;
             let hit = tracer.world.closest(&Ray::new(from, direction), None, 0).expect("the sphere from inside");
-            let surface = Surface::new(&tracer.world, &hit, -direction, true).expect("a triangle with area");
+            let mut room = None;
+            let surface = Surface::new(&tracer.world, &hit, -direction, true, &mut room).expect("a triangle with area");
             let next = |start| tracer.world.closest(&Ray::new(start, direction), Some(hit.primitive_ref()), 0).map(|hit| hit.instance);
             if hit.instance == 1 {
                 assert_eq!(next(surface.origin_towards(&tracer.world, direction)), Some(0), "{direction}");

@@ -240,7 +240,9 @@ impl Pixels<'_> {
 
     /// The integrators that look at the first hit only.
     fn quick(&self, integrator: Integrator, start: TracedRay, sampler: &mut Sampler, chance: &mut Chance) -> LinearRgb {
-        let Some(surface) = start.hit.and_then(|hit| Surface::new(self.cx.world, &hit, -start.ray.direction, false)) else {
+        let mut room = None;
+        let surface = start.hit.and_then(|hit| Surface::new(self.cx.world, &hit, -start.ray.direction, false, &mut room));
+        let Some(surface) = surface else {
             let open = matches!(integrator, Integrator::Ao | Integrator::AoUniform);
             return if open { LinearRgb::WHITE } else { LinearRgb::BLACK };
         };

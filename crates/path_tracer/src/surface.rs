@@ -10,7 +10,7 @@
 
 use crate::integrator::dispersion::Channel;
 use crate::lights::Lights;
-use crate::world::{MaterialInfo, Placed, World, interpolate};
+use crate::world::{Placed, World, interpolate};
 use glam::{Vec2, Vec3};
 use kajo_bsdf::{AnyBsdf, AnyBsdfView, Bsdf, BsdfSample, LobeValues};
 use kajo_bvh::{Hit, PrimitiveRef, SurfacePoint, offset_origin};
@@ -23,7 +23,7 @@ use std::borrow::Cow;
 pub(crate) struct Surface<'a> {
     pub point: SurfacePoint,
     pub primitive: PrimitiveRef,
-    pub material: Cow<'a, SurfaceMaterial>,
+    pub material: &'a SurfaceMaterial,
     /// The BSDF, where the material has prepared it.
     prepared: Option<&'a AnyBsdf>,
     /// Index of the material.
@@ -46,27 +46,31 @@ pub(crate) struct Surface<'a> {
 const MIRROR_ABOVE: f32 = 1e-3;
 
 impl<'a> Surface<'a> {
-    /// `wo` points to where the ray came from, unit length. `None` for a triangle without area.
-    pub(crate) fn new(world: &'a World, hit: &Hit, wo: Vec3, lift: bool) -> Option<Self> {
+    /// `wo` points to where the ray came from, unit length. A material that differs from point to point is left in `room`. `None` for a
+    /// triangle without area.
+    pub(crate) fn new(world: &'a World, hit: &Hit, wo: Vec3, lift: bool, room: &'a mut Option<SurfaceMaterial>) -> Option<Self> {
         let placed = &world.instances[hit.instance as usize];
         let info = &world.materials[placed.material as usize];
-        let triangle = placed.triangle(hit.primitive);
-        let point = SurfacePoint::new(&placed.world_from_object, triangle, hit.u, hit.v);
+        let point = placed.point(hit.primitive, hit.u, hit.v);
         if point.geometric_normal == Vec3::ZERO {
             return None;
         }
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
-        let mut material = placed.material_at(world, info, hit);
+        let constant = info.constant.as_ref().filter(|_| placed.mesh.colors.is_empty());
+        *room = match constant {
+            Some(_) if !info.needs_tangent => None,
+            Some(material) => Some(material.clone()),
+            None => Some(placed.material_at(world, hit)),
+        };
         let front = point.geometric_normal.dot(wo) >= 0.0;
         let side = if front { 1.0 } else { -1.0 };
 
         let vertex_normal = placed.normal_at(hit.primitive, weights, point.geometric_normal);
         let mut normal = vertex_normal;
         let mut tangent = Vec3::ZERO;
-        if info.needs_tangent {
+        if let (true, Some(material)) = (info.needs_tangent, &mut *room) {
             let (vertex_frame, sign) = placed.tangent_frame(hit.primitive, weights, vertex_normal);
             let to_world = |v: Vec3| vertex_frame.to_world(Vec3::new(v.x, sign * v.y, v.z));
-            let material = material.to_mut();
             normal = to_world(material.normal).normalize_or(vertex_normal);
             let (sin, cos) = material.params.anisotropy_rotation.0.sin_cos();
             tangent = to_world(Vec3::new(cos, sin, 0.0));
@@ -75,17 +79,18 @@ impl<'a> Surface<'a> {
         }
         let geometric_normal = side * point.geometric_normal;
         let normal = bent(side * normal, geometric_normal, wo);
-        let material_transmits = material.params.transmission > 0.0;
-        let bounds_volume = material_transmits && !material.params.thin;
+        let params = &room.as_ref().or(constant)?.params;
+        let material_transmits = params.transmission > 0.0;
+        let bounds_volume = material_transmits && !params.thin;
         let frame_side = if bounds_volume { side } else { 1.0 };
         let z = frame_side * normal;
         let frame = if info.needs_tangent { Frame::from_z_tangent(z, tangent) } else { Frame::from_z(z) };
-        if info.needs_tangent {
-            let material = material.to_mut();
+        if let (true, Some(material)) = (info.needs_tangent, &mut *room) {
             let coat = frame_side * bent(side * material.params.clearcoat_normal, geometric_normal, wo);
             material.params.clearcoat_normal = frame.to_local(coat).normalize_or(Vec3::Z);
         }
-        let prepared = info.bsdf.as_ref().filter(|bsdf| matches!((bsdf, &material), (AnyBsdf::Model(_), _) | (_, Cow::Borrowed(_))));
+        let material: &SurfaceMaterial = room.as_ref().or(constant)?;
+        let prepared = info.bsdf.as_ref().filter(|bsdf| matches!(bsdf, AnyBsdf::Model(_)) || room.is_none());
         let origin_in_front = world.ray_start(hit, &point, geometric_normal, wo, lift && !material_transmits);
         Some(Self {
             point,
@@ -206,6 +211,7 @@ impl<'a> Surface<'a> {
 }
 
 /// Bends a unit normal towards `wo` until the mirror direction of `wo` lies above the geometric surface.    \[Keller17] appendix
+#[inline]
 fn bent(normal: Vec3, geometric: Vec3, wo: Vec3) -> Vec3 {
     let mirror = 2.0 * normal.dot(wo) * normal - wo;
     let above = mirror.dot(geometric);
@@ -218,14 +224,9 @@ fn bent(normal: Vec3, geometric: Vec3, wo: Vec3) -> Vec3 {
 }
 
 impl Placed {
-    fn material_at<'a>(&self, world: &'a World, info: &'a MaterialInfo, hit: &Hit) -> Cow<'a, SurfaceMaterial> {
-        match &info.constant {
-            Some(material) if self.mesh.colors.is_empty() => Cow::Borrowed(material),
-            _ => {
-                let material = &world.scene.materials[self.material as usize];
-                Cow::Owned(material.at(&world.scene, &self.uv_at(hit.primitive, hit.u, hit.v)))
-            }
-        }
+    /// The material where textures and vertex colours make it differ from point to point.
+    fn material_at(&self, world: &World, hit: &Hit) -> SurfaceMaterial {
+        world.scene.materials[self.material as usize].at(&world.scene, &self.uv_at(hit.primitive, hit.u, hit.v))
     }
 
     /// Unit vertex normal in the world, on the side of the geometric normal.

@@ -1,6 +1,7 @@
 //! The scene as rays see it: the two-level hierarchy, placed meshes, and materials ready for lookup.
 
 use crate::PathTracerError;
+use crate::points::PointFrame;
 use glam::{Affine3A, Mat3A, Vec3};
 use kajo_bsdf::{AnyBsdf, Bsdf};
 use kajo_bvh::{Blas, BuildOptions, BvhInstance, Filter, Hit, PrimitiveRef, Ray, Tlas};
@@ -28,6 +29,7 @@ pub(crate) struct Placed {
     pub mesh: Arc<Mesh>,
     pub material: u32,
     pub world_from_object: Affine3A,
+    pub points: PointFrame,
     /// Inverse transpose of the linear part.
     pub normal_from_object: Mat3A,
     /// −1 for a mirroring transform, else 1.
@@ -121,6 +123,7 @@ impl World {
                     flat: flat[instance.mesh],
                     material: mesh.material as u32,
                     mesh,
+                    points: PointFrame::new(&instance.world_from_object),
                     world_from_object: instance.world_from_object,
                     normal_from_object: cofactor * handedness,
                     handedness,
@@ -202,8 +205,11 @@ impl Placed {
     }
 
     /// Object-space corners of a triangle.
+    #[inline]
     pub(crate) fn triangle(&self, primitive: u32) -> [Vec3; 3] {
-        self.mesh.indices[primitive as usize].map(|i| self.mesh.positions[i as usize])
+        let [a, b, c] = self.mesh.indices[primitive as usize];
+        let corner = |i: u32| self.mesh.positions[i as usize];
+        [corner(a), corner(b), corner(c)]
     }
 
     /// World-space corners of a triangle.

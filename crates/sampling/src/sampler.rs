@@ -37,6 +37,8 @@ pub struct Sampler {
     dimension: u32,
     /// Hash of the set whose third coordinate the last 1D request took; 0 when the next 2D request starts a set.
     open: u64,
+    /// The shuffled index in that set.
+    open_index: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,12 +59,22 @@ impl Sampler {
     pub fn new(kind: SamplerKind, seed: u64, pixel: UVec2, sample: u32) -> Self {
         let pixel_stream = || hash_u64(hash_u64(seed) ^ (u64::from(pixel.y) << 32 | u64::from(pixel.x)));
         match kind {
-            SamplerKind::Sobol => {
-                Self { kind: Kind::Scrambled, stream: pixel_stream(), reversed_index: sample.reverse_bits(), dimension: 0, open: 0 }
-            }
-            SamplerKind::Independent => {
-                Self { kind: Kind::Independent, stream: pixel_stream(), reversed_index: sample.reverse_bits(), dimension: 0, open: 0 }
-            }
+            SamplerKind::Sobol => Self {
+                kind: Kind::Scrambled,
+                stream: pixel_stream(),
+                reversed_index: sample.reverse_bits(),
+                dimension: 0,
+                open: 0,
+                open_index: 0,
+            },
+            SamplerKind::Independent => Self {
+                kind: Kind::Independent,
+                stream: pixel_stream(),
+                reversed_index: sample.reverse_bits(),
+                dimension: 0,
+                open: 0,
+                open_index: 0,
+            },
             SamplerKind::BlueNoise { log2_samples } => {
                 let log2_samples = log2_samples.min(31);
                 let pass = sample >> log2_samples;
@@ -70,7 +82,7 @@ impl Sampler {
                 let place = (morton_2d(pixel.x, pixel.y) << log2_samples) | u64::from(sample & ((1 << log2_samples) - 1));
                 let tile = morton_2d(pixel.x, pixel.y) >> (32 - log2_samples);
                 let stream = hash_u64(hash_u64(seed) ^ hash_u64(tile << 32 | u64::from(pass)));
-                Self { kind: Kind::Scrambled, stream, reversed_index: (place as u32).reverse_bits(), dimension: 0, open: 0 }
+                Self { kind: Kind::Scrambled, stream, reversed_index: (place as u32).reverse_bits(), dimension: 0, open: 0, open_index: 0 }
             }
         }
     }
@@ -82,7 +94,8 @@ impl Sampler {
         match self.kind {
             Kind::Scrambled => {
                 self.open = h;
-                sobol_third_scrambled(self.shuffled_index(h as u32), (h.wrapping_mul(0x9fb2_1c65_1e98_df25) >> 32) as u32)
+                self.open_index = self.shuffled_index(h as u32);
+                sobol_third_scrambled(self.open_index, (h.wrapping_mul(0x9fb2_1c65_1e98_df25) >> 32) as u32)
             }
             Kind::Independent => unit_f32((hash_u64(h ^ u64::from(self.reversed_index)) >> 32) as u32),
         }
@@ -93,9 +106,13 @@ impl Sampler {
     pub fn next_2d(&mut self) -> Vec2 {
         match self.kind {
             Kind::Scrambled => {
-                let h = if self.open != 0 { self.open } else { self.next_hash() };
+                let (h, index) = if self.open != 0 {
+                    (self.open, self.open_index)
+                } else {
+                    let h = self.next_hash();
+                    (h, self.shuffled_index(h as u32))
+                };
                 self.open = 0;
-                let index = self.shuffled_index(h as u32);
                 sobol_2d_scrambled(index, (h >> 32) as u32, (h.wrapping_mul(0xd134_2543_de82_ef95) >> 32) as u32)
             }
             Kind::Independent => {

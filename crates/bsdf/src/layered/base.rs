@@ -81,6 +81,11 @@ impl Base {
         self.is_lambert
     }
 
+    /// ρ/π of a pure Lambert surface, and the chance that it reflects at all: 0 if it is black, else 1.
+    pub fn lambert(&self) -> Option<(Vec3, f32)> {
+        self.is_lambert.then(|| (self.diffuse_scale, f32::from(u8::from(mean(self.diffuse_albedo) > 0.0))))
+    }
+
     pub fn facets(&self) -> Facets {
         self.facets
     }

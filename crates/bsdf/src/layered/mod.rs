@@ -18,6 +18,7 @@ mod coat;
 mod facets;
 mod film;
 mod glass;
+mod lambert;
 #[cfg(test)]
 mod mis_experiment;
 #[cfg(test)]
@@ -30,6 +31,7 @@ use coat::{Coat, CoatView, Sheen, SheenView};
 use facets::FacetsView;
 use glam::{Vec2, Vec3};
 use glass::{Glass, GlassView};
+pub use lambert::LambertView;
 pub use types::{BsdfSample, Lobe, LobeValues};
 
 /// The material at one surface point, prepared for any directions.
@@ -39,6 +41,8 @@ pub struct Bsdf {
     glass: Option<Glass>,
     coat: Option<Coat>,
     sheen: Option<Sheen>,
+    /// ρ/π and the chance of a bounce (0 or 1) of a surface with nothing but the diffuse lobe.
+    lambert: Option<(Vec3, f32)>,
 }
 
 /// A [`Bsdf`] seen from one `wo`: what many `wi` share is computed once.
@@ -78,12 +82,10 @@ impl Bsdf {
     pub fn new(params: &MaterialParams) -> Self {
         let glass_weight = (1.0 - unit(params.metallic)) * unit(params.transmission);
         let base = Base::new(params);
-        Self {
-            glass: (glass_weight > 0.0).then(|| Glass::new(params, glass_weight, base.facets())),
-            base,
-            coat: Coat::new(params),
-            sheen: Sheen::new(params),
-        }
+        let glass = (glass_weight > 0.0).then(|| Glass::new(params, glass_weight, base.facets()));
+        let (coat, sheen) = (Coat::new(params), Sheen::new(params));
+        let lambert = base.lambert().filter(|_| glass.is_none() && coat.is_none() && sheen.is_none());
+        Self { base, glass, coat, sheen, lambert }
     }
 
     /// Seen from `wo` (unit length, local frame, either side).

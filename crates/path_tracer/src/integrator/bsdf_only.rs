@@ -30,8 +30,8 @@ impl Context<'_> {
                 return;
             };
             let passed = transmittance(absorption, found.t);
-            let wo = -ray.direction;
-            let Some(surface) = Surface::new(self.world, &found, wo, self.settings.smooth_terminator) else { return };
+            let (wo, mut room) = (-ray.direction, None);
+            let Some(surface) = Surface::new(self.world, &found, wo, self.settings.smooth_terminator, &mut room) else { return };
             if let Some((light, radiance)) = surface.emission(self.world, self.lights) {
                 sink.light(bounces, light, throughput.scaled(passed * radiance));
             }

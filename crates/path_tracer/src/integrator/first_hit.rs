@@ -35,7 +35,9 @@ impl Context<'_> {
         record: &mut [f32],
     ) {
         let hit = start.hit.as_ref();
-        let Some((hit, surface)) = hit.and_then(|hit| Some((hit, Surface::new(self.world, hit, -start.ray.direction, false)?))) else {
+        let mut room = None;
+        let surface = hit.and_then(|hit| Some((hit, Surface::new(self.world, hit, -start.ray.direction, false, &mut room)?)));
+        let Some((hit, surface)) = surface else {
             for &(offset, _) in slots.visibility.iter().chain(&slots.ambient_visibility.map(|offset| (offset, 0))) {
                 record[offset] = 1.0;
             }

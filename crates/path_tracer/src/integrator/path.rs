@@ -50,8 +50,8 @@ impl Context<'_> {
                 return;
             };
             throughput = throughput.scaled(transmittance(absorption, found.t));
-            let wo = -ray.direction;
-            let Some(surface) = Surface::new(self.world, &found, wo, self.settings.smooth_terminator) else { return };
+            let (wo, mut room) = (-ray.direction, None);
+            let Some(surface) = Surface::new(self.world, &found, wo, self.settings.smooth_terminator, &mut room) else { return };
             if let Some((light, radiance)) = surface.emission(self.world, self.lights) {
                 let pdf = if ray_pdf.is_finite() {
                     self.lights.pdf_of_surface(self.world, found.primitive_ref(), ray.origin, ray.direction, found.t)

@@ -6,7 +6,7 @@
 use super::LightSample;
 use glam::{Affine3A, Vec2, Vec3};
 use kajo_bvh::Aabb;
-use kajo_sampling::warp::{LightSphere, SphericalRectangle, concentric_disk};
+use kajo_sampling::warp::{LightSphere, Rectangle, concentric_disk};
 use kajo_units::LinearRgb;
 use std::f32::consts::PI;
 
@@ -21,7 +21,7 @@ pub(crate) struct AreaLight {
 #[derive(Clone, Copy, Debug)]
 enum Shape {
     /// A rectangle, or under a skewed transform a parallelogram: `corner` + s `x` + t `y`.
-    Rectangle { corner: Vec3, x: Vec3, y: Vec3, normal: Vec3, area: f32, right_angled: bool },
+    Rectangle { corner: Vec3, x: Vec3, y: Vec3, normal: Vec3, area: f32, right_angled: Option<Rectangle> },
     /// A disk, or under an uneven transform an ellipse: `center` + r cos φ `x` + r sin φ `y`.
     Disk { center: Vec3, x: Vec3, y: Vec3, normal: Vec3, area: f32 },
     /// A sphere; uneven scale is averaged.
@@ -35,7 +35,7 @@ impl AreaLight {
     pub(crate) fn rectangle(world_from_light: &Affine3A, width: f32, height: f32, radiance: LinearRgb) -> Self {
         let (x, y, normal) = plane(world_from_light, width, height);
         let corner = Vec3::from(world_from_light.translation) - 0.5 * (x + y);
-        let right_angled = x.dot(y).abs() <= RIGHT_ANGLE * x.length() * y.length();
+        let right_angled = (x.dot(y).abs() <= RIGHT_ANGLE * x.length() * y.length()).then(|| Rectangle::new(corner, x, y));
         Self { shape: Shape::Rectangle { corner, x, y, normal, area: x.cross(y).length(), right_angled }, radiance }
     }
 
@@ -85,8 +85,8 @@ impl AreaLight {
                 if (from - corner).dot(normal) <= 0.0 {
                     return None;
                 }
-                if right_angled {
-                    let seen = SphericalRectangle::new(from, corner, x, y);
+                if let Some(rectangle) = right_angled {
+                    let seen = rectangle.seen_from(from);
                     let to_light = seen.sample(u) - from;
                     let distance = to_light.length();
                     (to_light / distance, distance, seen.pdf(to_light))
@@ -109,7 +109,7 @@ impl AreaLight {
     pub(crate) fn pdf(&self, from: Vec3, direction: Vec3, distance: f32) -> f32 {
         match self.shape {
             Shape::Sphere { center, radius } => 1.0 / LightSphere::new(from, center, radius).solid_angle(),
-            Shape::Rectangle { corner, x, y, right_angled: true, .. } => SphericalRectangle::new(from, corner, x, y).pdf(direction),
+            Shape::Rectangle { right_angled: Some(rectangle), .. } => rectangle.seen_from(from).pdf(direction),
             Shape::Rectangle { normal, area, .. } | Shape::Disk { normal, area, .. } => {
                 pdf_from_area(distance, -normal.dot(direction), area)
             }

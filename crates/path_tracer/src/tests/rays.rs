@@ -65,7 +65,8 @@ fn primary_rays_see_what_a_loop_over_all_triangles_sees() {
 fn follow(tracer: &Tracer, origin: Vec3, direction: Vec3, lobe: f32, until: u32) -> (Vec<Vec3>, Vec3) {
     let (mut ray, mut leaving, mut points) = (Ray::new(origin, direction), None, Vec::new());
     while let Some(hit) = tracer.world.closest(&ray, leaving, 0) {
-        let surface = Surface::new(&tracer.world, &hit, -ray.direction, false).expect("a surface with area");
+        let mut room = None;
+        let surface = Surface::new(&tracer.world, &hit, -ray.direction, false, &mut room).expect("a surface with area");
         points.push(surface.point.position);
         if surface.material_index == until {
             break;

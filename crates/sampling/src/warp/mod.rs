@@ -21,7 +21,7 @@ pub use hemisphere::{
     uniform_hemisphere_pdf, uniform_sphere, uniform_sphere_inverse, uniform_sphere_pdf,
 };
 pub use light_sphere::LightSphere;
-pub use spherical_rectangle::{SphericalRectangle, rectangle_solid_angle};
+pub use spherical_rectangle::{Rectangle, SphericalRectangle, rectangle_solid_angle};
 pub use spherical_triangle::{SphericalTriangle, triangle_solid_angle};
 pub use triangle::{triangle_barycentrics, triangle_barycentrics_inverse, triangle_pdf_area};
 

@@ -23,23 +23,45 @@ pub struct SphericalRectangle {
     solid_angle: f64,
 }
 
+/// A planar rectangle, ready to be seen from any point.
+#[derive(Clone, Copy, Debug)]
+pub struct Rectangle {
+    corner: DVec3,
+    axes: [DVec3; 3],
+    lengths: [f64; 2],
+}
+
+impl Rectangle {
+    /// The rectangle `corner` + s `edge_x` + t `edge_y`, s, t in [0, 1], edges perpendicular.
+    pub fn new(corner: Vec3, edge_x: Vec3, edge_y: Vec3) -> Self {
+        let (edge_x, edge_y) = (edge_x.as_dvec3(), edge_y.as_dvec3());
+        let (ax, ay) = (edge_x.normalize_or_zero(), edge_y.normalize_or_zero());
+        Self { corner: corner.as_dvec3(), axes: [ax, ay, ax.cross(ay)], lengths: [edge_x.length(), edge_y.length()] }
+    }
+
+    /// The rectangle as it is seen from `point`.
+    #[inline]
+    pub fn seen_from(&self, point: Vec3) -> SphericalRectangle {
+        let origin = point.as_dvec3();
+        let d = self.corner - origin;
+        let [ax, ay, mut az] = self.axes;
+        let (x, y, mut z) = (d.dot(ax), d.dot(ay), d.dot(az));
+        if z > 0.0 {
+            (az, z) = (-az, -z);
+        }
+        let (x, y) = ([x, x + self.lengths[0]], [y, y + self.lengths[1]]);
+        // Strictly below the point; zero would put the point in the plane, where nothing is subtended.
+        let z = z.min(-1e-12);
+        let cy = heights(y, z * z);
+        let (solid_angle, k) = solid_angle_and_k(heights(x, z * z), cy);
+        SphericalRectangle { origin, axes: [ax, ay, az], x, y, z, b: [-cy[0], cy[1]], k, solid_angle }
+    }
+}
+
 impl SphericalRectangle {
     /// The rectangle `corner` + s `edge_x` + t `edge_y`, s, t in [0, 1], edges perpendicular, seen from `point`.
     pub fn new(point: Vec3, corner: Vec3, edge_x: Vec3, edge_y: Vec3) -> Self {
-        let (origin, edge_x, edge_y) = (point.as_dvec3(), edge_x.as_dvec3(), edge_y.as_dvec3());
-        let d = corner.as_dvec3() - origin;
-        let (ax, ay) = (edge_x.normalize_or_zero(), edge_y.normalize_or_zero());
-        let mut az = ax.cross(ay);
-        if d.dot(az) > 0.0 {
-            az = -az;
-        }
-        let x = [d.dot(ax), d.dot(ax) + edge_x.length()];
-        let y = [d.dot(ay), d.dot(ay) + edge_y.length()];
-        // Strictly below the point; zero would put the point in the plane, where nothing is subtended.
-        let z = d.dot(az).min(-1e-12);
-        let (solid_angle, k) = solid_angle_and_k(x, y, z);
-        let b = [-y[0] / (z * z + y[0] * y[0]).sqrt(), y[1] / (z * z + y[1] * y[1]).sqrt()];
-        Self { origin, axes: [ax, ay, az], x, y, z, b, k, solid_angle }
+        Rectangle::new(corner, edge_x, edge_y).seen_from(point)
     }
 
     /// Solid angle, sr.
@@ -48,6 +70,7 @@ impl SphericalRectangle {
     }
 
     /// A point of the rectangle, world space.
+    #[inline]
     pub fn sample(&self, u: Vec2) -> Vec3 {
         let (u, v) = (f64::from(u.x), f64::from(u.y));
         if self.solid_angle < SMALL {
@@ -58,13 +81,14 @@ impl SphericalRectangle {
         let cu = (1.0 / (f * f + self.b[0] * self.b[0]).sqrt()).copysign(f).clamp(-1.0, 1.0);
         let xu = (-(cu * self.z) / (1.0 - cu * cu).max(f64::MIN_POSITIVE).sqrt()).clamp(self.x[0], self.x[1]);
         let d2 = xu * xu + self.z * self.z;
-        let [h0, h1] = self.heights(d2);
+        let [h0, h1] = heights(self.y, d2);
         let h = h0 + v * (h1 - h0);
         let yv = if h * h < 1.0 - 1e-12 { h * (d2 / (1.0 - h * h)).sqrt() } else { self.y[1] };
         self.to_world(xu, yv.clamp(self.y[0], self.y[1]))
     }
 
     /// Density per solid angle of a direction (any length) that meets the rectangle: 1/Ω.
+    #[inline]
     pub fn pdf(&self, direction: Vec3) -> f32 {
         if self.solid_angle >= SMALL {
             return (1.0 / self.solid_angle) as f32;
@@ -86,26 +110,30 @@ impl SphericalRectangle {
                 to_unit(((yv - self.y[0]) / (self.y[1] - self.y[0])) as f32),
             );
         }
-        let left = solid_angle_and_k([self.x[0], xu], self.y, self.z).0;
+        let z2 = self.z * self.z;
+        let left = solid_angle_and_k(heights([self.x[0], xu], z2), heights(self.y, z2)).0;
         let d2 = xu * xu + self.z * self.z;
-        let [h0, h1] = self.heights(d2);
+        let [h0, h1] = heights(self.y, d2);
         let h = yv / (d2 + yv * yv).sqrt();
         Vec2::new(to_unit((left / self.solid_angle) as f32), to_unit(((h - h0) / (h1 - h0)) as f32))
     }
 
-    /// Sines of the elevation of the lower and upper edge in the plane at distance √d2 from the x axis' point.
-    fn heights(&self, d2: f64) -> [f64; 2] {
-        self.y.map(|y| y / (d2 + y * y).sqrt())
-    }
-
-    fn to_world(self, x: f64, y: f64) -> Vec3 {
+    #[inline]
+    fn to_world(&self, x: f64, y: f64) -> Vec3 {
         (self.origin + x * self.axes[0] + y * self.axes[1] + self.z * self.axes[2]).as_vec3()
     }
 }
 
-/// Solid angle of a rectangle at height `z` over the origin, and the sum k of \[Urena13] eq. 4.
-fn solid_angle_and_k(x: [f64; 2], y: [f64; 2], z: f64) -> (f64, f64) {
-    let (cx, cy) = (x.map(|x| x / (x * x + z * z).sqrt()), y.map(|y| y / (y * y + z * z).sqrt()));
+/// Sines of the elevation of two edges, at `edges` across, in the plane at distance √d2 from the point.
+#[inline]
+fn heights(edges: [f64; 2], d2: f64) -> [f64; 2] {
+    let sine = |edge: f64| edge / (d2 + edge * edge).sqrt();
+    [sine(edges[0]), sine(edges[1])]
+}
+
+/// Solid angle of a rectangle, and the sum k of \[Urena13] eq. 4, from the sines of the elevation of its edges along x and y.
+#[inline]
+fn solid_angle_and_k(cx: [f64; 2], cy: [f64; 2]) -> (f64, f64) {
     // Inner angles between the planes through the point and the edges.
     let g = [cy[0] * cx[1], -cx[1] * cy[1], cx[0] * cy[1], -cx[0] * cy[0]].map(|c: f64| c.clamp(-1.0, 1.0).acos());
     let k = TAU - g[2] - g[3];

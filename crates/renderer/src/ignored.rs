@@ -1,9 +1,10 @@
 //! What this renderer does not simulate, found by looking at the scene: nothing is left out silently.
 
+use crate::upload::tables::ModelTables;
 use kajo_scene::{AlphaMode, Ignored, Material, Scene, Snapshot};
 
 /// The list for a scene seen by one of its cameras.
-pub(crate) fn find(scene: &Scene, snapshot: &Snapshot, camera: usize, direct_blend: bool) -> Vec<Ignored> {
+pub(crate) fn find(scene: &Scene, snapshot: &Snapshot, tables: &ModelTables, camera: usize, direct_blend: bool) -> Vec<Ignored> {
     let mut list = Vec::new();
     let mut say = |place: String, feature: &str, consequence: &str| {
         list.push(Ignored { file: scene.name.clone(), place, feature: feature.into(), consequence: consequence.into() });
@@ -18,13 +19,18 @@ pub(crate) fn find(scene: &Scene, snapshot: &Snapshot, camera: usize, direct_ble
             say(place(), "KHR_materials_transmission", "real-time: light does not pass the surface, what lies behind is not seen");
         }
         if let Some(model) = &material.model
-            && model.entry.wesl.is_none()
+            && let Some(table) = tables.of(model)
         {
-            say(
-                place(),
-                model.entry.title,
-                "real-time: tables of files are not evaluated; a matt surface of the same albedo at normal incidence stands in",
+            let grid = table.grid;
+            let consequence = format!(
+                "real-time: read from a table of {} × {} × {} × {} nodes (θ_h, φ_h, φ_d, θ_d), which is {:.2} % off (root mean square of f cos θ_i)",
+                grid.theta_h,
+                grid.phi_h,
+                grid.phi_d,
+                grid.theta_d,
+                100.0 * table.deviation
             );
+            say(place(), model.entry.title, &consequence);
         }
         if material.alpha_mode == AlphaMode::Blend {
             let consequence = "real-time: blended surfaces are lit without shadows, and sorted by mesh only";

@@ -9,6 +9,7 @@ use crate::settings::{Choice, FrameSettings, RendererSettings, RoleSelection};
 use crate::upload::geometry::Geometry;
 use crate::upload::lights::Lights;
 use crate::upload::materials;
+use crate::upload::tables::ModelTables;
 use crate::upload::textures::Textures;
 use crate::upload::trace::TraceScene;
 use crate::{Error, ignored, read};
@@ -41,6 +42,7 @@ pub struct Renderer {
     lights: Lights,
     /// Lights whose visibility is read back.
     watched: Vec<usize>,
+    model_tables: ModelTables,
     bsdf_tables: Buffer,
     frame: Buffer,
     trace: TraceScene,
@@ -99,6 +101,7 @@ impl Renderer {
         let geometry = Geometry::new(device, snapshot, snapshot, scene)?;
         let trace = TraceScene::new(device, backend, snapshot, &geometry, None)?;
         let models = models_of(scene);
+        let (model_tables, tables) = ModelTables::new(scene);
         let setup = Setup { device, variant: Variant { backend, bindless, models: &models }, textures: textures.count() };
         let blendable = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
         let lights = Lights::new(device, scene, snapshot, None)?;
@@ -110,10 +113,11 @@ impl Renderer {
             backend,
             models: models.clone(),
             bounds: bounds(snapshot),
-            materials: device.buffer_with("materials", &materials::pack_all(scene), BufferUsages::STORAGE)?,
+            materials: device.buffer_with("materials", &materials::pack_all(scene, &model_tables), BufferUsages::STORAGE)?,
             watched: (0..lights.list.len()).collect(),
             lights,
-            bsdf_tables: device.buffer_with(BSDF_TABLES, &kajo_shader_lib::bsdf_tables(), BufferUsages::STORAGE)?,
+            bsdf_tables: device.buffer_with(BSDF_TABLES, tables.numbers(), BufferUsages::STORAGE)?,
+            model_tables,
             frame: device.buffer("frame", size_of::<GpuFrame>() as u64, BufferUsages::UNIFORM | BufferUsages::COPY_DST)?,
             gbuffer: GBuffer::new(setup)?,
             background: Background::new(setup, scene.environment.as_ref())?,
@@ -160,7 +164,7 @@ impl Renderer {
 
     /// What this renderer does not simulate in this scene.
     pub fn ignored(&self) -> Vec<Ignored> {
-        ignored::find(&self.scene, &self.current, self.settings.camera, self.forward.is_some())
+        ignored::find(&self.scene, &self.current, &self.model_tables, self.settings.camera, self.forward.is_some())
     }
 
     /// Names of the lights, as the path tracer has them: analytic ones, then emissive meshes, each in the snapshot's order.

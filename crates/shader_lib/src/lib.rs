@@ -40,4 +40,4 @@ pub use library::{MODULES, Module, module};
 pub use link::{Linked, SourceFile, check_library, link, link_with};
 pub use naga;
 pub use reflect::{Binding, BindingKind, EntryPoint, Override, Stage, Texels};
-pub use tables::{BSDF_TABLES, bsdf_tables};
+pub use tables::{BSDF_TABLES, BsdfTables, bsdf_tables};

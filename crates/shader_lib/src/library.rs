@@ -35,6 +35,7 @@ pub const MODULES: &[Module] = modules![
     "models/microfacet",
     "models/schlick",
     "models/special",
+    "models/tabulated",
     "packing",
     "random",
     "tone_map",

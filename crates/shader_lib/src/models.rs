@@ -1,4 +1,5 @@
-//! The reflectance models of `kajo_bsdf` on the GPU: each model's own WESL module, and the switch over those that a scene uses.
+//! The reflectance models of `kajo_bsdf` on the GPU: each model's own WESL module, tables of those that have none, and the switch over those that a scene
+//! uses.
 
 use crate::Module;
 use kajo_bsdf::models::{Kind, ModelEntry, all};
@@ -24,17 +25,21 @@ fn module_name(entry: &ModelEntry) -> String {
 }
 
 /// A module with `model_f_cos`, which knows these models and answers 0 for every other: f cos θi in 1/sr, of shading functions S/π. Twin of
-/// `Reflectance::rendered_f_cos`.
+/// `Reflectance::rendered_f_cos`. Models without a WESL module are read from tables, which [`BsdfTables`](crate::BsdfTables) makes of them.
 pub fn switch(models: &[&ModelEntry]) -> String {
     let mut imports = String::new();
     let mut cases = String::new();
-    for entry in models.iter().filter(|entry| entry.wesl.is_some()) {
-        let name = module_name(entry);
+    for entry in models {
+        // Models of files are tables here.
+        let name = if entry.wesl.is_some() { module_name(entry) } else { "tabulated".to_owned() };
         let factor = match entry.kind {
-            Kind::Brdf => "g.wi.z",
-            Kind::Bsf => "INV_PI",
+            Kind::Bsf if entry.wesl.is_some() => "INV_PI",
+            _ => "g.wi.z",
         };
-        writeln!(imports, "import shader_lib::models::{name}::{name}_value;").expect("a string takes text");
+        let import = format!("import shader_lib::models::{name}::{name}_value;\n");
+        if !imports.contains(&import) {
+            imports += &import;
+        }
         writeln!(cases, "        case {}u: {{ return {name}_value(c, g) * {factor}; }}", number(entry)).expect("a string takes text");
     }
     format!(

@@ -1,8 +1,10 @@
-//! The albedo tables of `kajo_bsdf` in one buffer, as `shader_lib::bsdf::tables` reads them.
+//! The albedo tables of `kajo_bsdf` in one buffer, as `shader_lib::bsdf::tables` reads them, and behind them those of models that are read from files,
+//! as `shader_lib::models::tabulated` does.
 
+use kajo_bsdf::models::tabulated::Tabulated;
 use kajo_bsdf::tables::{self, HAT_AXIS_NODES, HAT_NODES, ROUGHNESS_NODES};
 
-/// Name of the buffer's binding: bind [`bsdf_tables`] under it wherever a shader imports the material.
+/// Name of the buffer's binding: bind [`bsdf_tables`] or [`BsdfTables::numbers`] under it wherever a shader imports the material.
 pub const BSDF_TABLES: &str = "bsdf_tables";
 
 /// GGX albedo and its average (pairs of factors of f0 and f90), sheen, glass, hat functions and their averages, then for anisotropic facets
@@ -20,6 +22,42 @@ pub fn bsdf_tables() -> Vec<f32> {
     out.extend(tables::ANISO_AVERAGE.iter());
     out.extend(tables::ANISO_GLASS.iter());
     out
+}
+
+/// The contents of the buffer for a scene with models of files.
+#[derive(Clone, Debug)]
+pub struct BsdfTables {
+    numbers: Vec<f32>,
+}
+
+impl BsdfTables {
+    /// [`bsdf_tables`], and nothing behind them.
+    pub fn new() -> Self {
+        let mut numbers = bsdf_tables();
+        // Tables of models are addressed by colours.
+        numbers.resize(numbers.len().next_multiple_of(3), 0.0);
+        Self { numbers }
+    }
+
+    /// Puts a table behind the others. What comes back are the constants of the materials that use it: where it begins, in blocks of 2¹² colours and colours
+    /// behind them, so that both are exact in f32, and its numbers of nodes.
+    pub fn add(&mut self, table: &Tabulated) -> Vec<f32> {
+        let first = self.numbers.len() / 3;
+        let grid = table.grid;
+        self.numbers.extend(table.values.iter().flat_map(|color| color.to_array()));
+        [first >> 12, first & 0xfff, grid.theta_h, grid.phi_d, grid.theta_d, grid.phi_h].map(|count| count as f32).to_vec()
+    }
+
+    /// What to upload.
+    pub fn numbers(&self) -> &[f32] {
+        &self.numbers
+    }
+}
+
+impl Default for BsdfTables {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 /// Cosine-weighted means over directions of the hat functions' albedos at node `roughness` of the finer axis, scaled so that they sum to

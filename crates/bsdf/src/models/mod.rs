@@ -40,6 +40,7 @@ pub mod rgl;
 pub mod schlick;
 pub mod schlick_cook_torrance;
 pub mod strauss;
+pub mod tabulated;
 pub mod torrance_sparrow;
 pub mod tucker;
 pub mod ward;

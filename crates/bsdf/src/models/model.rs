@@ -69,7 +69,8 @@ pub struct ModelEntry {
     pub params: &'static [ParamSpec],
     /// Other names that users may write, and the parameters that each of them sets.
     pub aliases: &'static [(&'static str, &'static [&'static str])],
-    /// The WESL module with its value on the GPU, `fn <name>_value(c: ModelConstants, g: ReflectionGeometry) -> vec3f`; `None` for models of files.
+    /// The WESL module with its value on the GPU, `fn <name>_value(c: ModelConstants, g: ReflectionGeometry) -> vec3f`; `None` for models of files, which
+    /// shaders read as tables ([`super::tabulated`]).
     pub wesl: Option<&'static str>,
     /// Makes it ready to evaluate.
     pub make: fn(&ParamValues, Form) -> Made,

@@ -1,13 +1,14 @@
 //! Reflectance models of the library as functions: the GPU's side of each against the CPU's, over their parameters.
 
 use glam::{UVec3, Vec3, Vec4};
-use kajo_bsdf::models::{Form, ModelEntry, Reflectance, all};
+use kajo_bsdf::models::tabulated::{Grid, Tabulated};
+use kajo_bsdf::models::{Form, ModelEntry, Reflectance, all, find};
 use kajo_params::{ParamKind, ParamValues};
 use kajo_render_graph::wgpu::BufferUsages;
 use kajo_render_graph::{Bindings, ComputePipeline, Device, PipelineOptions, Shader, readback};
 use kajo_sampling::{Rng, warp};
-use kajo_shader_lib::BSDF_TABLES;
 use kajo_shader_lib::models::{MOST_CONSTANTS, number};
+use kajo_shader_lib::{BSDF_TABLES, BsdfTables};
 use kajo_techniques::{TraceBackend, shaders};
 use std::sync::Arc;
 
@@ -112,7 +113,13 @@ fn pairs() -> Vec<(Vec3, Vec3)> {
 }
 
 /// Values of all `pairs` for each list of constants.
-fn on_device(device: &Device, entry: &'static ModelEntry, constants: &[Vec<f32>], pairs: &[(Vec3, Vec3)]) -> Vec<Vec<Vec3>> {
+fn on_device(
+    device: &Device,
+    entry: &'static ModelEntry,
+    tables: &BsdfTables,
+    constants: &[Vec<f32>],
+    pairs: &[(Vec3, Vec3)],
+) -> Vec<Vec<Vec3>> {
     let models = [entry];
     let variant = shaders::Variant { models: &models, ..shaders::Variant::without_models(TraceBackend::Compute, false) };
     let linked = shaders::link("test", ROOT, variant);
@@ -128,7 +135,7 @@ fn on_device(device: &Device, entry: &'static ModelEntry, constants: &[Vec<f32>]
     let numbers = device.buffer_with("constants", &numbers, BufferUsages::STORAGE).unwrap();
     let output = device.buffer("values", (values * size_of::<Vec4>()) as u64, BufferUsages::STORAGE | BufferUsages::COPY_SRC).unwrap();
     let own = Bindings::new().with("constants", &numbers).with("directions", &input).with("values", &output);
-    let tables = device.buffer_with(BSDF_TABLES, &kajo_shader_lib::bsdf_tables(), BufferUsages::STORAGE).unwrap();
+    let tables = device.buffer_with(BSDF_TABLES, tables.numbers(), BufferUsages::STORAGE).unwrap();
     let shared = if reads_tables { Bindings::new().with(BSDF_TABLES, &tables) } else { Bindings::new() };
     let mut encoder = device.wgpu.create_command_encoder(&Default::default());
     pipeline.dispatch(device, &mut encoder, &shared, &own, UVec3::new(values as u32, 1, 1)).unwrap();
@@ -138,8 +145,8 @@ fn on_device(device: &Device, entry: &'static ModelEntry, constants: &[Vec<f32>]
 }
 
 /// The largest difference in units of the tolerance, 0.5 % of the value and 1e-5 of the largest one, and where it is.
-fn worst(case: &Case, got: &[Vec3], pairs: &[(Vec3, Vec3)]) -> (f32, String) {
-    let expected: Vec<Vec3> = pairs.iter().map(|&(wi, wo)| case.model.rendered_f_cos(wi, wo)).collect();
+fn worst(expected: impl Fn(Vec3, Vec3) -> Vec3, got: &[Vec3], pairs: &[(Vec3, Vec3)]) -> (f32, String) {
+    let expected: Vec<Vec3> = pairs.iter().map(|&(wi, wo)| expected(wi, wo)).collect();
     let largest = expected.iter().fold(0.0, |largest: f32, value| largest.max(value.max_element())).max(1e-3);
     let off = |i: usize| ((got[i] - expected[i]).abs() / (0.005 * expected[i] + 1e-5 * largest)).max_element();
     // NaN is the largest in this order.
@@ -158,17 +165,39 @@ fn every_model_on_the_gpu_is_its_twin() {
         let mut constants: Vec<_> = cases.iter().map(|case| case.model.constants()).collect();
         let fault: Vec<f32> = constants[0].iter().map(|c| c * 1.02 + 0.001).collect();
         constants.push(fault);
-        let values = on_device(&device, entry, &constants, &pairs);
+        let values = on_device(&device, entry, &BsdfTables::new(), &constants, &pairs);
         for (case, got) in cases.iter().zip(&values) {
-            let (off, what) = worst(case, got, &pairs);
+            let (off, what) = worst(|wi, wo| case.model.rendered_f_cos(wi, wo), got, &pairs);
             // So that NaN is a fault.
             let holds = off < 1.0;
             if !holds {
                 faults.push(format!("{} {}: {off} times the tolerance at {what}", entry.id, case.what));
             }
         }
-        let (off, _) = worst(&cases[0], values.last().unwrap(), &pairs);
+        let (off, _) = worst(|wi, wo| cases[0].model.rendered_f_cos(wi, wo), values.last().unwrap(), &pairs);
         assert!(off > 1.0 || constants[0].is_empty(), "{}: planted fault", entry.id);
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Two tables in one buffer, one of them anisotropic, of formulas: whatever a model is, its table is one.
+#[test]
+fn every_table_on_the_gpu_is_its_twin() {
+    let device = Device::new().unwrap();
+    let pairs = pairs();
+    let formula = |id: &str, pairs: &[(&str, &str)]| find(id).unwrap().from_pairs(pairs, Form::Corrected).unwrap();
+    let models = [formula("ward", &[("m", "0.2")]), formula("ggx", &[("alpha_x", "0.2"), ("alpha_y", "0.5"), ("f0", "0.9,0.5,0.2")])];
+    let tables: Vec<Tabulated> = models.iter().map(|model| Tabulated::new(&**model, Grid::of(&**model))).collect();
+    assert_eq!(tables.iter().map(|table| table.grid.phi_h > 1).collect::<Vec<_>>(), [false, true]);
+    let mut buffer = BsdfTables::new();
+    let constants: Vec<Vec<f32>> = tables.iter().map(|table| buffer.add(table)).collect();
+    for id in ["merl", "rgl", "nmf", "tucker"] {
+        let values = on_device(&device, find(id).unwrap(), &buffer, &constants, &pairs);
+        for (i, table) in tables.iter().enumerate() {
+            let (off, what) = worst(|wi, wo| table.f_cos(wi, wo), &values[i], &pairs);
+            assert!(off < 1.0, "{id} {i}: {off} times the tolerance at {what}");
+            let (off, _) = worst(|wi, wo| table.f_cos(wi, wo), &values[1 - i], &pairs);
+            assert!(off > 1.0, "planted fault, the other table");
+        }
+    }
 }

@@ -1,17 +1,18 @@
 //! Materials as `material.wesl` reads them.
 
 use crate::gpu::{GpuMaterial, GpuModelConstants, GpuTextureRef, MATERIAL_TEXTURES};
+use crate::upload::tables::ModelTables;
 use crate::upload::textures::sampler_index;
-use kajo_scene::{AlphaMode, Material, Scene, TextureRef};
+use kajo_scene::{AlphaMode, Material, ReflectanceModel, Scene, TextureRef};
 use kajo_shader_lib::models::{self, MOST_CONSTANTS};
 
 /// Every material, and behind them the default one for meshes that name none.
-pub(crate) fn pack_all(scene: &Scene) -> Vec<GpuMaterial> {
+pub(crate) fn pack_all(scene: &Scene, tables: &ModelTables) -> Vec<GpuMaterial> {
     let default = Material::default();
-    scene.materials.iter().chain([&default]).map(|material| pack(scene, material)).collect()
+    scene.materials.iter().chain([&default]).map(|material| pack(scene, material, tables)).collect()
 }
 
-fn pack(scene: &Scene, material: &Material) -> GpuMaterial {
+fn pack(scene: &Scene, material: &Material, tables: &ModelTables) -> GpuMaterial {
     // In the order of the constants in material.wesl.
     let textures: [&Option<TextureRef>; MATERIAL_TEXTURES] = [
         &material.base_color_texture,
@@ -63,15 +64,16 @@ fn pack(scene: &Scene, material: &Material) -> GpuMaterial {
         iridescence_thickness_max: material.iridescence_thickness[1],
         alpha_mode,
         flags: if material.unlit { GpuMaterial::UNLIT } else { 0 } | if material.double_sided { GpuMaterial::DOUBLE_SIDED } else { 0 },
-        model: material.model.as_ref().filter(|model| model.entry.wesl.is_some()).map_or(0, |model| models::number(model.entry)),
+        model: material.model.as_ref().map_or(0, |model| models::number(model.entry)),
         padding: 0,
-        constants: constants(material),
+        constants: constants(material, tables),
         textures: textures.map(|texture| texture_ref(scene, texture.as_ref())),
     }
 }
 
-fn constants(material: &Material) -> GpuModelConstants {
-    let mut numbers = material.model.as_ref().map_or_else(Vec::new, |model| model.reflectance.constants());
+fn constants(material: &Material, tables: &ModelTables) -> GpuModelConstants {
+    let own = |model: &ReflectanceModel| tables.of(model).map_or_else(|| model.reflectance.constants(), |table| table.constants.clone());
+    let mut numbers = material.model.as_ref().map_or_else(Vec::new, own);
     assert!(numbers.len() <= MOST_CONSTANTS, "{:?}: {} constants, room for {MOST_CONSTANTS}", material.model, numbers.len());
     numbers.resize(MOST_CONSTANTS, 0.0);
     GpuModelConstants { data: std::array::from_fn(|i| std::array::from_fn(|j| numbers[4 * i + j])) }

@@ -3,5 +3,6 @@
 pub(crate) mod geometry;
 pub(crate) mod lights;
 pub(crate) mod materials;
+pub(crate) mod tables;
 pub(crate) mod textures;
 pub(crate) mod trace;

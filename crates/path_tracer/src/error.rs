@@ -85,6 +85,9 @@ pub enum PathTracerError {
         /// Why.
         source: kajo_bvh::BvhError,
     },
+    /// An environment that cannot be sampled as asked.
+    #[error("environment: {0}")]
+    Environment(#[from] kajo_sampling::environment::EnvironmentError),
     /// A checkpoint that cannot be read.
     #[error("cannot read the checkpoint `{}`: {source}; check the path", path.display())]
     CheckpointRead {

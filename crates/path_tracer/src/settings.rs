@@ -157,6 +157,26 @@ pub enum Strategy {
     Lights,
 }
 
+/// How light sampling draws directions towards an environment with an image; a choice of the [`Tracer`](crate::Tracer), which holds the table.
+///
+/// All three are unbiased and converge to the same picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum EnvironmentSampler {
+    /// Inversion of the cumulative distribution of the pixels: O(log pixels), and neighbouring random numbers stay neighbours, which keeps
+    /// Sobol points well stratified over the image.
+    #[default]
+    Cdf,
+    /// Alias tables, rows first: O(1).
+    Alias,
+    /// Blocks of a kd-tree, one for 170 pixels, chosen by a formula: O(1) and little memory.    \[Ergun15]
+    Kd,
+}
+
+impl EnvironmentSampler {
+    /// Every sampler with its name.
+    pub const ALL: [(&'static str, Self); 3] = [("cdf", Self::Cdf), ("alias", Self::Alias), ("kd", Self::Kd)];
+}
+
 /// Ending of paths by chance: a path goes on with probability q, and what it finds is divided by q.    \[Arvo90]
 ///
 /// Unbiased for every q in (0, 1]; it trades noise for time.

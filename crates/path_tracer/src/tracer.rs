@@ -3,7 +3,7 @@
 use crate::fingerprint::scene_hash;
 use crate::lights::Lights;
 use crate::world::World;
-use crate::{Aov, CameraChoice, PathTracerError, Settings};
+use crate::{Aov, CameraChoice, EnvironmentSampler, PathTracerError, Settings};
 use kajo_scene::{PlacedCamera, Scene, Snapshot};
 use std::sync::OnceLock;
 
@@ -12,6 +12,7 @@ pub struct Tracer {
     pub(crate) world: World,
     pub(crate) lights: Lights,
     pub(crate) previous: Option<Snapshot>,
+    environment_sampler: EnvironmentSampler,
     hash: OnceLock<u64>,
 }
 
@@ -19,11 +20,25 @@ impl Tracer {
     /// Builds the hierarchy and the light tables. `snapshot` must be one of `scene`.
     ///
     /// # Errors
-    /// [`PathTracerError::Bvh`] for geometry that is not finite or too much.
+    /// [`PathTracerError::Bvh`] for geometry that is not finite or too much, [`PathTracerError::Environment`].
     pub fn new(scene: &Scene, snapshot: Snapshot) -> Result<Self, PathTracerError> {
         let world = World::new(scene, snapshot)?;
-        let lights = Lights::new(&world);
-        Ok(Self { world, lights, previous: None, hash: OnceLock::new() })
+        let environment_sampler = EnvironmentSampler::default();
+        let lights = Lights::new(&world, environment_sampler)?;
+        Ok(Self { world, lights, previous: None, environment_sampler, hash: OnceLock::new() })
+    }
+
+    /// The same scene with another way to sample its environment; changes the noise and never the mean.
+    ///
+    /// # Errors
+    /// [`PathTracerError::Environment`] for an image that the sampler cannot be made of.
+    pub fn with_environment_sampler(mut self, sampler: EnvironmentSampler) -> Result<Self, PathTracerError> {
+        if sampler != self.environment_sampler {
+            self.lights = Lights::new(&self.world, sampler)?;
+            self.environment_sampler = sampler;
+            self.hash = OnceLock::new();
+        }
+        Ok(self)
     }
 
     /// Adds the scene one frame earlier, which the image `motion` needs.
@@ -117,6 +132,6 @@ impl Tracer {
     }
 
     pub(crate) fn hash(&self) -> u64 {
-        *self.hash.get_or_init(|| scene_hash(&self.world.scene, &self.world.snapshot, self.previous.as_ref()))
+        *self.hash.get_or_init(|| scene_hash(&self.world.scene, &self.world.snapshot, self.previous.as_ref(), self.environment_sampler))
     }
 }

@@ -4,22 +4,23 @@
 //! The constant environment is not in the table: sampling the BSDF alone is the better strategy for it, with weight 1.
 
 mod area;
+mod environment;
 mod mesh;
 mod punctual;
 mod shape_tree;
 
-use crate::PathTracerError;
 use crate::world::World;
+use crate::{EnvironmentSampler, PathTracerError};
 use area::AreaLight;
+use environment::EnvironmentLight;
 use glam::{Vec2, Vec3};
 use kajo_bvh::PrimitiveRef;
-use kajo_sampling::{AliasTable, Piecewise2d};
-use kajo_scene::{Environment, LightShape, PlacedLight};
+use kajo_sampling::AliasTable;
+use kajo_scene::{LightShape, PlacedLight};
 use kajo_units::LinearRgb;
 use mesh::MeshLight;
 use punctual::{DirectionalLight, PointLight, SpotCone};
 use shape_tree::ShapeTree;
-use std::f32::consts::PI;
 
 /// A direction towards a light.
 #[derive(Clone, Copy, Debug)]
@@ -74,8 +75,8 @@ enum Emitter {
     Directional(DirectionalLight),
     Area(AreaLight),
     Mesh(MeshLight),
-    /// A table over the image; `None` for the constant environment, which is left to BSDF sampling.
-    Environment(Option<Piecewise2d>),
+    /// `None` for the constant environment, which is left to BSDF sampling. Boxed, because the others are small.
+    Environment(Option<Box<EnvironmentLight>>),
     /// All unlit surfaces together; they are met, never sampled.
     Unlit,
 }
@@ -106,7 +107,11 @@ const NO_LIGHT: u32 = u32::MAX;
 const UNIFORM_CHOICE: f32 = 0.1;
 
 impl Lights {
-    pub(crate) fn new(world: &World) -> Self {
+    /// The lights of a world.
+    ///
+    /// # Errors
+    /// [`PathTracerError::Environment`] for an image that the sampler cannot be made of.
+    pub(crate) fn new(world: &World, environment_sampler: EnvironmentSampler) -> Result<Self, PathTracerError> {
         let scene = &world.scene;
         let mut lights = Self {
             emitters: Vec::new(),
@@ -129,11 +134,8 @@ impl Lights {
             lights.light_of_instance[mesh.instance] = (lights.analytic + index) as u32;
         }
         if let Some(environment) = &scene.environment {
-            let table = environment.importance().and_then(|grid| {
-                let size = grid.size();
-                Piecewise2d::new(grid.pixels(), size.x as usize, size.y as usize)
-            });
-            lights.push("environment".into(), Emitter::Environment(table.filter(|table| !table.is_zero())));
+            let light = EnvironmentLight::new(environment, environment_sampler)?;
+            lights.push("environment".into(), Emitter::Environment(light.map(Box::new)));
         }
         let unlit = |placed: &crate::world::Placed| scene.materials[placed.material as usize].unlit;
         if world.instances.iter().any(unlit) {
@@ -144,7 +146,7 @@ impl Lights {
             }
         }
         lights.index(world);
-        lights
+        Ok(lights)
     }
 
     /// The light of that name; with `visible`, only those that have an image `visibility.<light>`.
@@ -221,7 +223,7 @@ impl Lights {
                 let (sample, primitive) = mesh.sample(world, from, rest, u)?;
                 (sample, Some(primitive))
             }
-            Emitter::Environment(table) => (sample_environment(world.scene.environment.as_ref()?, table.as_ref()?, u)?, None),
+            Emitter::Environment(light) => (light.as_ref()?.sample(world.scene.environment.as_ref()?, rest, u)?, None),
             Emitter::Unlit => return None,
         };
         let value = if sample.pdf.is_finite() {
@@ -259,10 +261,7 @@ impl Lights {
                     }
                 }
                 (Emitter::Environment(table), Some(environment)) => {
-                    let pdf = table.as_ref().map_or(0.0, |table| {
-                        let uv = environment.uv(direction);
-                        self.probability(light) * environment.pdf_from_uv(table.pdf(uv), uv)
-                    });
+                    let pdf = table.as_ref().map_or(0.0, |table| self.probability(light) * table.pdf(environment, direction));
                     see(SeenLight { light, radiance: environment.radiance(direction), pdf });
                 }
                 _ => {}
@@ -344,15 +343,7 @@ impl Emitter {
             Self::Area(light) => Some(light.power()),
             Self::Mesh(light) => Some(light.power()),
             Self::Unlit => None,
-            // The table's weights are ∫ Y sin θ dθ over a texel: their mean times the number of rows times 2π is ∫ Y dω.
-            Self::Environment(table) => table.as_ref().map(|t| t.mean() * t.size().y as f32 * 2.0 * PI * PI * world.radius * world.radius),
+            Self::Environment(light) => light.as_ref().map(|light| light.power(world.radius)),
         }
     }
-}
-
-fn sample_environment(environment: &Environment, table: &Piecewise2d, u: Vec2) -> Option<LightSample> {
-    let (uv, pdf_uv) = table.sample(u);
-    let pdf = environment.pdf_from_uv(pdf_uv, uv);
-    let wi = environment.direction(uv);
-    (pdf > 0.0).then(|| LightSample { wi, distance: f32::INFINITY, radiance: environment.radiance(wi), pdf })
 }

@@ -102,4 +102,21 @@ mod tests {
             assert!((sum - white).abs() < 4e-3, "roughness {perceptual}: {sum} {white}");
         }
     }
+
+    #[test]
+    fn tables_of_models_are_found_where_their_constants_say() {
+        use glam::Vec3;
+        use kajo_bsdf::models::tabulated::Grid;
+        let grids = [Grid { theta_h: 40, phi_h: 1, phi_d: 30, theta_d: 20 }, Grid { theta_h: 4, phi_h: 3, phi_d: 2, theta_d: 5 }];
+        let mut buffer = BsdfTables::new();
+        for (i, grid) in grids.into_iter().enumerate() {
+            let colors = (0..grid.nodes()).map(|k| Vec3::new(k as f32, -1.0, i as f32)).collect();
+            let constants = buffer.add(&Tabulated { grid, values: colors });
+            let first = 3 * ((constants[0] as usize) << 12 | constants[1] as usize);
+            let last = first + 3 * (grid.nodes() - 1);
+            assert_eq!(buffer.numbers()[first..first + 3], [0.0, -1.0, i as f32]);
+            assert_eq!(buffer.numbers()[last..], [(grid.nodes() - 1) as f32, -1.0, i as f32]);
+            assert_eq!(constants[2..], [grid.theta_h, grid.phi_d, grid.theta_d, grid.phi_h].map(|count| count as f32));
+        }
+    }
 }

@@ -46,7 +46,9 @@ fn tucker(grid: factored::Grid) -> Arc<dyn Reflectance> {
 }
 
 /// Name, model, the grid it should get, and limits of [`worst`].
-fn measured() -> Vec<(&'static str, Arc<dyn Reflectance>, Grid, [f32; 2])> {
+type Measured = (&'static str, Arc<dyn Reflectance>, Grid, [f32; 2]);
+
+fn measured() -> Vec<Measured> {
     let merl = merl::Table::of_model(&*analytic(WARD));
     let rgl = |chosen, resolution| Arc::new(rgl::Rgl::new(rgl::Table::of_model(&*analytic(chosen), resolution)));
     let few = rgl::Resolution { phi_i: 17, theta_i: 10, samples: 24, ..rgl::Resolution::ANISOTROPIC };

@@ -184,7 +184,7 @@ impl EnvironmentSampler {
 pub enum RussianRoulette {
     /// Paths end at the depth limit only.
     Off,
-    /// From the third bounce on, q is the largest channel of the path's throughput, at most 0.95.
+    /// From the third bounce on, q is twice the largest channel of the path's throughput, at most 0.95.
     #[default]
     Throughput,
     /// q at every bounce.
@@ -194,6 +194,8 @@ pub enum RussianRoulette {
 impl RussianRoulette {
     /// First bounce at which [`RussianRoulette::Throughput`] may end a path: the first ones carry most of the picture.
     const START: u32 = 3;
+    /// Survival over throughput. More paths live, at less than the noise of ending them early costs: docs/performance.md, Roulette.
+    const FACTOR: f32 = 2.0;
     /// Bright paths in a closed white room still end.
     const MAX_SURVIVAL: f32 = 0.95;
 
@@ -203,7 +205,7 @@ impl RussianRoulette {
         match self {
             Self::Off => 1.0,
             Self::Throughput if bounces < Self::START => 1.0,
-            Self::Throughput => throughput_max.min(Self::MAX_SURVIVAL),
+            Self::Throughput => (Self::FACTOR * throughput_max).min(Self::MAX_SURVIVAL),
             Self::Constant(q) => q,
         }
     }

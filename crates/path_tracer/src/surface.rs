@@ -59,7 +59,7 @@ impl<'a> Surface<'a> {
         let constant = info.constant.as_ref().filter(|_| placed.mesh.colors.is_empty());
         *room = match constant {
             Some(_) if !info.needs_tangent => None,
-            Some(material) => Some(material.clone()),
+            Some(material) => Some(*material),
             None => Some(placed.material_at(world, hit)),
         };
         let front = point.geometric_normal.dot(wo) >= 0.0;

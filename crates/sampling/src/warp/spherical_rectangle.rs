@@ -74,7 +74,7 @@ impl SphericalRectangle {
     pub fn sample(&self, u: Vec2) -> Vec3 {
         let (u, v) = (f64::from(u.x), f64::from(u.y));
         if self.solid_angle < SMALL {
-            return self.to_world(self.x[0] + u * (self.x[1] - self.x[0]), self.y[0] + v * (self.y[1] - self.y[0]));
+            return self.in_world(self.x[0] + u * (self.x[1] - self.x[0]), self.y[0] + v * (self.y[1] - self.y[0]));
         }
         let angle = u * self.solid_angle + self.k;
         let f = (angle.cos() * self.b[0] - self.b[1]) / angle.sin();
@@ -84,7 +84,7 @@ impl SphericalRectangle {
         let [h0, h1] = heights(self.y, d2);
         let h = h0 + v * (h1 - h0);
         let yv = if h * h < 1.0 - 1e-12 { h * (d2 / (1.0 - h * h)).sqrt() } else { self.y[1] };
-        self.to_world(xu, yv.clamp(self.y[0], self.y[1]))
+        self.in_world(xu, yv.clamp(self.y[0], self.y[1]))
     }
 
     /// Density per solid angle of a direction (any length) that meets the rectangle: 1/Ω.
@@ -119,7 +119,7 @@ impl SphericalRectangle {
     }
 
     #[inline]
-    fn to_world(&self, x: f64, y: f64) -> Vec3 {
+    fn in_world(&self, x: f64, y: f64) -> Vec3 {
         (self.origin + x * self.axes[0] + y * self.axes[1] + self.z * self.axes[2]).as_vec3()
     }
 }

@@ -99,6 +99,7 @@ fn flags_of_the_path_tracer_are_refused_by_the_real_time_renderer() {
         &["--no-rr"],
         &["--threads", "1"],
         &["--sampler", "sobol"],
+        &["--env-sampler", "kd"],
         &["--filter", "box"],
         &["--checkpoint", "c"],
     ] {

@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::UVec2;
 use kajo_image::ToneMap;
-use kajo_path_tracer::{Filter, Integrator};
+use kajo_path_tracer::{EnvironmentSampler, Filter, Integrator};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -173,6 +173,9 @@ pub struct Tracing {
     /// Random numbers [default: sobol]
     #[arg(long, value_parser = named(SAMPLERS))]
     pub sampler: Option<SamplerChoice>,
+    /// How directions towards an environment are drawn [default: cdf]; changes the noise, not the mean
+    #[arg(long, value_parser = named(&EnvironmentSampler::ALL))]
+    pub env_sampler: Option<EnvironmentSampler>,
     /// Reconstruction filter [default: blackman-harris]
     #[arg(long, value_parser = named(&Filter::ALL))]
     pub filter: Option<Filter>,
@@ -237,6 +240,22 @@ pub struct Info {
 pub enum Bench {
     /// Build a hierarchy over triangles and trace rays through it, on the CPU
     Rays(BenchRays),
+    /// Sample an environment by blocks, by inversion and by alias tables: time, memory, fit, and what the blocks keep of the image
+    Environment(BenchEnvironment),
+}
+
+/// `kajo bench environment`.
+#[derive(Debug, Args)]
+pub struct BenchEnvironment {
+    /// Latitude-longitude environment (.hdr, .exr, .png)
+    #[arg(long, value_name = "FILE")]
+    pub env: PathBuf,
+    /// Blocks of the kd-tree [default: one for 170 pixels]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
+    pub blocks: Option<u32>,
+    /// Write the environment as its blocks have it (.exr, .hdr)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
 }
 
 /// `kajo bench rays`.

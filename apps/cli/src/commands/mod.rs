@@ -1,5 +1,6 @@
 //! One file a command.
 
+mod bench_environment;
 mod bench_rays;
 mod bsdf;
 mod compare;
@@ -18,6 +19,7 @@ use crate::failure::Outcome;
 pub fn run(arguments: &Kajo) -> Outcome {
     let common = &arguments.common;
     match &arguments.command {
+        Command::Bench(Bench::Environment(arguments)) => bench_environment::run(common, arguments),
         Command::Bench(Bench::Rays(arguments)) => bench_rays::run(common, arguments),
         Command::Bsdf(command) => bsdf::run(common, command),
         Command::Compare(arguments) => compare::run(common, arguments),

@@ -43,6 +43,7 @@ fn check(arguments: &Render) -> Outcome {
         ("--no-rr", tracing.no_rr),
         ("--threads", tracing.threads.is_some()),
         ("--sampler", tracing.sampler.is_some()),
+        ("--env-sampler", tracing.env_sampler.is_some()),
         ("--filter", tracing.filter.is_some()),
     ];
     if let Some((flag, _)) = reference_only.iter().find(|(_, given)| *given && arguments.renderer == RendererChoice::Realtime) {

@@ -31,7 +31,8 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     let (snapshot, camera) = view::snapshot(scene, &arguments.view, time)?;
     let size = arguments.size.map_or_else(|| snapshot.cameras[camera].camera.default_image_size(), |size| size.0);
     let previous = Snapshot::new(scene, Seconds((time - 1.0 / arguments.fps) as f32));
-    let tracer = Tracer::new(scene, snapshot)?.with_previous(previous)?;
+    let environment_sampler = arguments.tracing.env_sampler.unwrap_or_default();
+    let tracer = Tracer::new(scene, snapshot)?.with_previous(previous)?.with_environment_sampler(environment_sampler)?;
     let build_seconds = started.elapsed().as_secs_f64();
 
     let settings = settings(arguments, size, camera, aovs(&arguments.aov, &tracer, max_depth(arguments))?);

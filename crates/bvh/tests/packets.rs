@@ -120,6 +120,24 @@ fn placed_masked_and_transparent_instances_equal_brute_force() {
     }
 }
 
+/// A ray that hits nothing, among others that are alike, takes nothing from them.
+#[test]
+fn rays_that_are_none_do_not_disturb_their_neighbours() {
+    let plain = Tlas::single(soup(2_000, 0.2, 11).blas());
+    let mut rays = camera_rays(3, 32, 1.0, 12);
+    for (i, ray) in rays.iter_mut().enumerate().filter(|(i, _)| i % 16 == i / 16 % 16) {
+        match i / 256 % 4 {
+            0 => ray.t_max = f32::NAN,
+            1 => ray.t_min = f32::NAN,
+            2 => (ray.t_min, ray.t_max) = (f32::INFINITY, 0.0),
+            _ => ray.direction = Vec3::ZERO,
+        }
+    }
+    for backend in backends() {
+        assert!(check(&plain.clone().with_backend(backend), &rays, Filter::ALL) > 300);
+    }
+}
+
 #[test]
 fn no_rays_and_no_triangles_are_no_hits() {
     let empty = Tlas::build(vec![], vec![]).unwrap();

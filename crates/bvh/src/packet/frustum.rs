@@ -6,7 +6,7 @@
 //!
 //! with c one of the origins: its product with r is taken out of k, which is then small for rays that start near each other, however far they are
 //! from zero. As each component of all directions has one sign, a box is met by none of the rays where the greatest of the three least entry
-//! distances lies beyond the least of the three greatest exit distances. Intervals of \[Reshetov05], for all rays at once as in \[Boulos07].
+//! distances lies beyond the least of the three greatest exit distances. Intervals of \[Reshetov05], for all rays at once as in \[Boulos06].
 
 use super::{SIZE, Span, fold, greater, less, span};
 use crate::{

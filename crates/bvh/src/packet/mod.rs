@@ -112,14 +112,14 @@ impl Packet {
     /// Not [`alike`](Self::alike) if one of the rays hits nothing or if they run too differently.
     #[inline(always)]
     pub fn new(rays: &[Ray; SIZE]) -> Self {
-        let (mut origin, mut direction, mut t_min) = ([[0.0; SIZE]; 3], [[0.0; SIZE]; 3], [0.0; SIZE]);
+        let (mut origin, mut direction, mut t_min, mut t_max) = ([[0.0; SIZE]; 3], [[0.0; SIZE]; 3], [0.0; SIZE], [0.0; SIZE]);
         for (i, ray) in rays.iter().enumerate() {
             let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
             for axis in 0..3 {
                 origin[axis][i] = o[axis];
                 direction[axis][i] = d[axis];
             }
-            t_min[i] = ray.t_min;
+            (t_min[i], t_max[i]) = (ray.t_min, ray.t_max);
         }
         let first = ShearedRay::new(&rays[0]);
         let [x, y, z] = first.axes.map(|axis| axis.min(2));
@@ -134,7 +134,8 @@ impl Packet {
             let size = d.map(f32::abs);
             let x_is_greatest = size[0] >= greater(size[1], size[2]);
             let y_is_greatest = !x_is_greatest & (size[1] >= size[2]);
-            let usable = (size[0] <= f32::MAX) & (size[1] <= f32::MAX) & (size[2] <= f32::MAX);
+            // A NaN among the bounds would spoil the packet's own.
+            let usable = (size[0] <= f32::MAX) & (size[1] <= f32::MAX) & (size[2] <= f32::MAX) & (t_min[i] < t_max[i]);
             let near = |axis: usize| origin[axis][i].abs() <= MAX_COORDINATE;
             let alike = (x_is_greatest == x_first) & (y_is_greatest == y_first) & usable & near(0) & near(1) & near(2);
             unlike[i] = if alike { 0 } else { u32::MAX };

@@ -205,7 +205,7 @@ pub trait Reflectance: Send + Sync {
     /// [`Reflectance::values_f32`] by instructions of one's choice, for who compares them. Models of other code than formulas go pair by pair.
     ///
     /// # Panics
-    /// When the processor has not got them.
+    /// When the processor has not got them and the model uses them, or the slices differ in length.
     fn values_by(&self, _instructions: Instructions, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
         assert!(wi.len() == wo.len() && wo.len() == out.len(), "one value a pair: {} {} {}", wi.len(), wo.len(), out.len());
         for ((wi, wo), out) in wi.iter().zip(wo).zip(out) {

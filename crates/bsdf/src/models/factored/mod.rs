@@ -20,3 +20,14 @@ pub use file::{Contents, Format};
 pub use grid::{Grid, Viewer};
 pub use profile::Profile;
 pub use reflectance::{Factored, LEAST_COSINE, ViewWeights};
+
+/// For numbers that are shares of light.
+///
+/// # Errors
+/// The first of them below 0, in one sentence.
+pub(crate) fn refuse_negative(numbers: &[f32]) -> Result<(), String> {
+    match numbers.iter().position(|v| *v < 0.0) {
+        Some(i) => Err(format!("number {i} is {}, and none may be negative; write the file again", numbers[i])),
+        None => Ok(()),
+    }
+}

@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod tests;
 
-use crate::models::factored::{Contents, Factored, Format, Grid, ViewWeights, Viewer};
+use crate::models::factored::{Contents, Factored, Format, Grid, ViewWeights, Viewer, refuse_negative};
 use crate::models::{Form, Kind, Made, ModelEntry, ModelError};
 use glam::DVec3;
 use kajo_params::{ParamValues, Params};
@@ -87,9 +87,7 @@ impl Factors {
 
     fn of(contents: Contents) -> Result<Self, String> {
         let Contents { grid, counts, mut numbers } = contents;
-        if let Some(i) = numbers.iter().position(|v| *v < 0.0) {
-            return Err(format!("number {i} is {}, and none may be negative; write the file again", numbers[i]));
-        }
+        refuse_negative(&numbers)?;
         let azimuths = numbers.split_off(numbers.len() - counts[0] * counts[1] * grid.phi_h);
         let inclinations = numbers.split_off(numbers.len() - counts[0] * counts[1] * grid.theta_h);
         let views = numbers.split_off(grid.channels);

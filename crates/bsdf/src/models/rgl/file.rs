@@ -174,7 +174,8 @@ fn colors(tensors: &Tensors, viewers: [usize; 2], size: [usize; 2]) -> Result<Pa
             for (value, weight) in slice[node..].iter().step_by(nodes).zip(&weights) {
                 (0..3).for_each(|channel| color[channel] += f64::from(*value) * weight[channel]);
             }
-            color.map(|channel| channel as f32)
+            // Weights have both signs, so that a sum may lie beyond what its terms can be.
+            color.map(|channel| channel.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32)
         }));
     }
     Ok(Patches::new(size, colors))

@@ -76,13 +76,6 @@ impl Reflectance for Rgl {
         self.value(wi.as_dvec3(), wo.as_dvec3()).as_vec3()
     }
 
-    fn values_f32(&self, wi: &[Vec3], wo: &[Vec3], out: &mut [Vec3]) {
-        assert!(wi.len() == wo.len() && wo.len() == out.len(), "one value a pair: {} {} {}", wi.len(), wo.len(), out.len());
-        for ((wi, wo), out) in wi.iter().zip(wo).zip(out) {
-            *out = self.value_f32(*wi, *wo);
-        }
-    }
-
     fn sample(&self, wo: DVec3, [choice, u, v]: [f64; 3]) -> Option<DVec3> {
         if wo.z <= 0.0 {
             None

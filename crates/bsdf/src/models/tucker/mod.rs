@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod tests;
 
-use crate::models::factored::{Contents, Factored, Format, Grid, ViewWeights, Viewer};
+use crate::models::factored::{Contents, Factored, Format, Grid, ViewWeights, Viewer, refuse_negative};
 use crate::models::nmf::colour;
 use crate::models::{Form, Kind, Made, ModelEntry, ModelError};
 use glam::DVec3;
@@ -128,6 +128,7 @@ impl Factors {
         let Contents { grid, counts, numbers } = contents;
         check_size(grid, counts[0], counts[1])?;
         let (diffuse, rest) = numbers.split_at(grid.channels);
+        refuse_negative(diffuse)?;
         let (nodes, ranks) = (nodes(grid), ranks(grid, counts[0]));
         let pass = |mut rest: &[f32]| {
             let functions = std::array::from_fn(|mode| {

@@ -78,6 +78,14 @@ fn absurd_numbers_stay_finite() {
     }
 }
 
+/// A cosine lobe of negative weight would have no density.
+#[test]
+fn a_negative_diffuse_part_is_refused() {
+    let mut negative = factors(SMALL[0], 2, -0.7);
+    negative.diffuse[0] = -0.1;
+    assert!(Factors::from_bytes(&negative.to_bytes()).unwrap_err().contains("none may be negative"));
+}
+
 /// 800 kB that would become 24 GB of weights.
 #[test]
 fn few_numbers_that_announce_many_weights_are_refused() {

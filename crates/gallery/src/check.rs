@@ -64,6 +64,16 @@ impl Check {
     }
 }
 
+/// The largest of some measurements; NaN if one of them is NaN or if there is none, so that nothing holds that was not measured.
+pub(crate) fn largest(measurements: impl IntoIterator<Item = f64>) -> f64 {
+    measurements.into_iter().reduce(|a, b| if a.is_nan() || a > b { a } else { b }).unwrap_or(f64::NAN)
+}
+
+/// The smallest, likewise.
+pub(crate) fn smallest(measurements: impl IntoIterator<Item = f64>) -> f64 {
+    -largest(measurements.into_iter().map(|measurement| -measurement))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -74,5 +84,16 @@ mod tests {
         assert!(Check::at_least("a", 1.0, 1.0).holds && !Check::at_least("a", 0.9, 1.0).holds);
         assert!(Check::at_most("a", 1.0, 1.0).holds && !Check::at_most("a", 1.1, 1.0).holds);
         assert!(!Check::near("a", f64::NAN, 1.0, 1.0).holds && !Check::at_most("a", f64::NAN, 1.0).holds);
+    }
+
+    #[test]
+    fn nothing_holds_that_was_not_measured() {
+        assert_eq!((largest([1.0, 3.0, 2.0]), smallest([2.0, 1.0, 3.0])), (3.0, 1.0));
+        for place in 0..3 {
+            let mut numbers = [1.0, 3.0, 2.0];
+            numbers[place] = f64::NAN;
+            assert!(largest(numbers).is_nan() && smallest(numbers).is_nan());
+        }
+        assert!(largest([]).is_nan() && smallest([]).is_nan());
     }
 }

@@ -1,7 +1,7 @@
 //! The survey's drawings: facets that hide one another (3.3), and a layered surface (4.4). Lengths and widths in them are numbers of the models.
 
 use crate::GalleryError;
-use crate::check::Check;
+use crate::check::{Check, smallest};
 use crate::plates::Plate;
 use crate::probe::pixel;
 use crate::stage::Ball;
@@ -233,7 +233,7 @@ const CAPTION: &str = "A translucent layer over a matte one, Schlick's two layer
     throughout; with (4.22), which gives blocked light back as diffuse light, it first falls a little, to 0.29 near 35°, as the lower layer's lobe grows faster.";
 
 fn layer_checks(simple: &[f64], blocked: &[f64]) -> Vec<Check> {
-    let smallest = simple.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    let smallest = smallest(simple.windows(2).map(|pair| pair[1] - pair[0]));
     vec![
         // S rises by less than single precision tells up to 10°.
         Check::at_least("(4.19): share of the upper layer in f, smallest step of 5° from 0° to 85°", smallest, -1e-6),

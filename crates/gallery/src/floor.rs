@@ -11,7 +11,7 @@
 //! width of the bands: only the model changes the contrast. In the survey \[Falski04] this series is told (section 5.3.1) and its pictures are lost.
 
 use crate::GalleryError;
-use crate::check::Check;
+use crate::check::{Check, largest, smallest};
 use crate::plates::Plate;
 use crate::stage::{Ball, Stage, at};
 use crate::studio::{Names, Studio, tiled};
@@ -126,17 +126,18 @@ fn judge(name: &str, trend: Trend, series: &Series) -> Vec<Check> {
     let steps = || series.windows(2).map(|pair| (pair[1].0 - pair[0].0, pair[0].1.hypot(pair[1].1)));
     let (first, last) = (series[0], series[series.len() - 1]);
     let (change, error) = (last.0 - first.0, first.1.hypot(last.1));
-    let what = format!("{name}: contrast at {}° less that at {}°", ANGLES[ANGLES.len() - 1], ANGLES[0]);
+    let what =
+        format!("{name}: contrast at {}° less that at {}°, 3 standard errors nearer to no change", ANGLES[ANGLES.len() - 1], ANGLES[0]);
     match trend {
         Trend::Falls => {
-            let largest = steps().map(|(step, error)| step - 3.0 * error).fold(f64::NEG_INFINITY, f64::max);
+            let largest = largest(steps().map(|(step, error)| step - 3.0 * error));
             let step = Check::at_most(format!("{name}: contrast falls; its largest step less 3 standard errors"), largest, 0.0);
-            vec![step, Check::at_most(what, change - 3.0 * error, -0.2)]
+            vec![step, Check::at_most(what, change + 3.0 * error, -0.2)]
         }
         Trend::Holds => {
-            let smallest = steps().map(|(step, error)| step + 3.0 * error).fold(f64::INFINITY, f64::min);
+            let smallest = smallest(steps().map(|(step, error)| step + 3.0 * error));
             let step = Check::at_least(format!("{name}: contrast does not fall; its smallest step and 3 standard errors"), smallest, 0.0);
-            vec![step, Check::at_least(what, change + 3.0 * error, 0.15)]
+            vec![step, Check::at_least(what, change - 3.0 * error, 0.15)]
         }
     }
 }

@@ -1,7 +1,7 @@
 //! White spheres under a white sky: what keeps all light cannot be seen.
 
 use crate::GalleryError;
-use crate::check::Check;
+use crate::check::{Check, largest};
 use crate::plates::Plate;
 use crate::stage::{Ball, Stage};
 use crate::studio::{Names, Studio, tiled};
@@ -96,7 +96,7 @@ const CAPTION: &str = "Every model at its whitest, under radiance 1 from everywh
 
 fn checks(curves: &[Curve]) -> Vec<Check> {
     let of = |name: &str| curves.iter().find(|curve| curve.name == name).map_or(&[][..], |curve| &curve.points);
-    let worst = |name: &str| of(name).iter().map(|point| (point[1] - 1.0).abs()).fold(0.0, f64::max);
+    let worst = |name: &str| largest(of(name).iter().map(|point| (point[1] - 1.0).abs()));
     let last = |name: &str| of(name).last().map_or(f64::NAN, |point| point[1]);
     vec![
         Check::at_most("Lambert: farthest from 1", worst("Lambert"), 0.02),

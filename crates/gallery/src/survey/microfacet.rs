@@ -2,7 +2,7 @@
 
 use super::{Measured, SphereFigure, furnace_check, grey, probe_curves};
 use crate::GalleryError;
-use crate::check::Check;
+use crate::check::{Check, largest};
 use crate::probe::{Sample, disc, half_widths, pixel, strip};
 use crate::stage::Ball;
 use kajo_bsdf::models::blocks::fresnel::{dielectric, schlick as schlick_fresnel};
@@ -66,7 +66,7 @@ fn cook_torrance(rows: &Rows) -> Result<Measured, GalleryError> {
         Ok((f / f.element_sum() - 1.0 / 3.0).length())
     };
     let series = [60.0, 65.0, 70.0, 75.0, 80.0, 85.0, 88.0].map(chroma).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let largest_step = series.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::NEG_INFINITY, f64::max);
+    let largest_step = largest(series.windows(2).map(|pair| pair[1] - pair[0]));
     measured.checks.push(Check::at_most("copper's distance from white, largest step from β = 60° to 88°", largest_step, -1e-3));
     measured.checks.push(Check::at_most("copper's distance from white at β = 88° over that at 60°", series[6] / series[0], 0.2));
     let strips = balls.iter().map(|ball| strip(ball, 0.0)).collect::<Result<Vec<_>, _>>()?;
@@ -99,9 +99,11 @@ fn roughness(rows: &Rows) -> Result<Measured, GalleryError> {
     let strips = balls.iter().map(|ball| strip(ball, 0.0)).collect::<Result<Vec<_>, _>>()?;
     let widths: Vec<f64> = strips
         .iter()
-        .map(|samples| half_widths(samples, |sample| grey(sample) - 0.4 * FRAC_1_PI).into_iter().flatten().fold(f64::INFINITY, f64::min))
+        .map(|samples| {
+            half_widths(samples, |sample| grey(sample) - 0.4 * FRAC_1_PI).into_iter().flatten().reduce(f64::min).unwrap_or(f64::NAN)
+        })
         .collect();
-    let shrinks = widths.windows(2).map(|pair| pair[1] / pair[0]).fold(0.0, f64::max);
+    let shrinks = largest(widths.windows(2).map(|pair| pair[1] / pair[0]));
     measured.checks.push(Check::at_most("half width over that of the next larger m, largest", shrinks, 0.7));
     let named: Vec<(String, &[Sample])> = balls.iter().zip(&strips).map(|(ball, samples)| (ball.label.clone(), &samples[..])).collect();
     measured.curves.push(probe_curves("3.8", "f, 1/sr", &named, grey));

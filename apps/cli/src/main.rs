@@ -5,6 +5,7 @@ mod commands;
 mod coverage;
 mod failure;
 mod output;
+mod path_tracing;
 mod progress;
 mod view;
 

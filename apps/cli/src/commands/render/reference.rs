@@ -1,16 +1,13 @@
 //! `kajo render --renderer reference`: the path tracer, with progress, checkpoints and statistics.
 
 use super::write::{Picture, provenance};
-use crate::arguments::{Common, Render, SamplerChoice, Tracing};
+use crate::arguments::{Common, Render};
 use crate::failure::{Failure, Outcome};
+use crate::path_tracing::{self, DEFAULT_SPP, in_pool, max_depth};
 use crate::{output, progress, view};
-use glam::UVec2;
 use indicatif::ProgressBar;
 use kajo_image::Layer;
-use kajo_path_tracer::{
-    Aov, CameraChoice, Control, Film, Frame, PathTracerError, Progress, RussianRoulette, Settings, Stop, Tracer, render,
-};
-use kajo_sampling::SamplerKind;
+use kajo_path_tracer::{Aov, Control, Film, Frame, PathTracerError, Progress, Settings, Stop, Tracer, render};
 use kajo_scene::{Scene, Snapshot};
 use kajo_units::Seconds;
 use serde_json::{Value, json};
@@ -18,9 +15,6 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
-
-/// Samples per pixel when no stop is given.
-const DEFAULT_SPP: u32 = 64;
 
 /// Time between two writes of the checkpoint.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
@@ -31,11 +25,14 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     let (snapshot, camera) = view::snapshot(scene, &arguments.view, time)?;
     let size = arguments.size.map_or_else(|| snapshot.cameras[camera].camera.default_image_size(), |size| size.0);
     let previous = Snapshot::new(scene, Seconds((time - 1.0 / arguments.fps) as f32));
-    let environment_sampler = arguments.tracing.env_sampler.unwrap_or_default();
-    let tracer = Tracer::new(scene, snapshot)?.with_previous(previous)?.with_environment_sampler(environment_sampler)?;
+    let tracer = path_tracing::tracer(scene, snapshot, &arguments.tracing)?.with_previous(previous)?;
     let build_seconds = started.elapsed().as_secs_f64();
 
-    let settings = settings(arguments, size, camera, aovs(&arguments.aov, &tracer, max_depth(arguments))?);
+    let settings = Settings {
+        integrator: arguments.integrator.unwrap_or_default(),
+        aovs: aovs(&arguments.aov, &tracer, max_depth(&arguments.tracing))?,
+        ..path_tracing::settings(&arguments.tracing, size, camera, arguments.spp.unwrap_or(DEFAULT_SPP))
+    };
     let film = resumed(arguments)?;
     let watch = Watch::new(common, arguments.checkpoint.clone(), output);
     let film = in_pool(arguments.tracing.threads, || render(&tracer, &settings, stop(arguments), film, &watch))?.map_err(failure)?;
@@ -68,32 +65,6 @@ fn failure(error: PathTracerError) -> Failure {
     match error {
         PathTracerError::Aov { .. } => Failure::Usage(error.into()),
         other => other.into(),
-    }
-}
-
-fn max_depth(arguments: &Render) -> u32 {
-    arguments.tracing.max_depth.unwrap_or(Settings::default().max_depth)
-}
-
-fn settings(arguments: &Render, size: UVec2, camera: usize, aovs: Vec<Aov>) -> Settings {
-    let Tracing { no_rr, seed, sampler, filter, .. } = arguments.tracing;
-    Settings {
-        size,
-        camera: CameraChoice::Index(camera),
-        integrator: arguments.integrator.unwrap_or_default(),
-        max_depth: max_depth(arguments),
-        russian_roulette: if no_rr { RussianRoulette::Off } else { RussianRoulette::default() },
-        sampler: match sampler.unwrap_or(SamplerChoice::Sobol) {
-            SamplerChoice::Sobol => SamplerKind::Sobol,
-            SamplerChoice::Independent => SamplerKind::Independent,
-            SamplerChoice::BlueNoise => {
-                SamplerKind::BlueNoise { log2_samples: stop(arguments).spp.unwrap_or(DEFAULT_SPP).next_power_of_two().ilog2() }
-            }
-        },
-        filter: filter.unwrap_or_default(),
-        seed,
-        aovs,
-        ..Settings::default()
     }
 }
 
@@ -140,11 +111,6 @@ fn resumed(arguments: &Render) -> Outcome<Option<Film>> {
         }
         (false, false) => Ok(None),
     }
-}
-
-fn in_pool<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) -> Outcome<T> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from)).build()?;
-    Ok(pool.install(work))
 }
 
 /// Shows progress, listens to Ctrl-C, and keeps the checkpoint fresh.
@@ -201,7 +167,7 @@ fn stats(arguments: &Render, frame: &Frame, build_seconds: f64, bvh_bytes: usize
         "width": frame.size.x,
         "height": frame.size.y,
         "spp": frame.spp,
-        "max_depth": max_depth(arguments),
+        "max_depth": max_depth(&arguments.tracing),
         "seed": arguments.tracing.seed,
         "samples": frame.samples,
         "rays": frame.rays,

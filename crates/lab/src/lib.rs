@@ -15,6 +15,7 @@ mod options;
 mod plan;
 mod progress;
 mod reference;
+pub mod render_cost;
 pub mod report;
 mod staging;
 mod subject;

@@ -238,10 +238,76 @@ pub struct Info {
 /// `kajo bench`.
 #[derive(Debug, Subcommand)]
 pub enum Bench {
+    /// Path trace pictures: samples and rays a second, error, efficiency 1 / (time x MSE), and how cost grows
+    Render(Box<BenchRender>),
     /// Build a hierarchy over triangles and trace rays through it, on the CPU
     Rays(BenchRays),
     /// Sample an environment by blocks, by inversion and by alias tables: time, memory, fit, and what the blocks keep of the image
     Environment(BenchEnvironment),
+}
+
+/// `kajo bench render`.
+#[derive(Debug, Args)]
+pub struct BenchRender {
+    /// Scenes: .gltf, .glb, .obj or .kajo.toml files, or builtin:NAME [default: a set of built-in ones]
+    pub scenes: Vec<String>,
+    /// How cost grows with this; `triangles` and `lights` make their own scenes
+    #[arg(long, value_enum)]
+    pub study: Option<Study>,
+    /// How far a study goes: `full` takes much time and memory
+    #[arg(long, value_enum, default_value = "reduced")]
+    pub profile: Profile,
+    /// Image size [default: that of the reference, else 256x256]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
+    pub size: Option<Size>,
+    /// Samples per pixel
+    #[arg(long, value_name = "N", default_value = "16", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
+    pub spp: u32,
+    /// Pictures with different seeds; the fastest counts, and their scatter is the error
+    #[arg(long, value_name = "N", default_value = "4", allow_negative_numbers = true, value_parser = whole(1..=1000u32))]
+    pub repeat: u32,
+    /// Measure the error against this picture (.exr, .hdr) instead, e.g. by `kajo render` with the same settings and thousands of samples
+    #[arg(long, value_name = "FILE")]
+    pub reference: Option<PathBuf>,
+    /// Camera, environment, time and animation
+    #[command(flatten)]
+    pub view: View,
+    /// Path tracing settings
+    #[command(flatten)]
+    pub tracing: Tracing,
+}
+
+/// What a study varies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Study {
+    /// `builtin:terrain:N`, N = 1000 to 10 million.
+    Triangles,
+    /// `builtin:many-lights:N`, N = 1 to 100 000.
+    Lights,
+    /// From one to all of this machine.
+    Threads,
+    /// Squares of 64 to 2048 px.
+    Resolution,
+}
+
+impl Study {
+    /// As it is written on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Triangles => "triangles",
+            Self::Lights => "lights",
+            Self::Threads => "threads",
+            Self::Resolution => "resolution",
+        }
+    }
+}
+
+/// How far a study goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the words say it")]
+pub enum Profile {
+    Reduced,
+    Full,
 }
 
 /// `kajo bench environment`.

@@ -2,6 +2,7 @@
 
 mod bench_environment;
 mod bench_rays;
+mod bench_render;
 mod bsdf;
 mod compare;
 mod coverage;
@@ -21,6 +22,7 @@ pub fn run(arguments: &Kajo) -> Outcome {
     match &arguments.command {
         Command::Bench(Bench::Environment(arguments)) => bench_environment::run(common, arguments),
         Command::Bench(Bench::Rays(arguments)) => bench_rays::run(common, arguments),
+        Command::Bench(Bench::Render(arguments)) => bench_render::run(common, arguments),
         Command::Bsdf(command) => bsdf::run(common, command),
         Command::Compare(arguments) => compare::run(common, arguments),
         Command::Coverage { status } => coverage::run(common, status.as_deref()),

@@ -50,4 +50,44 @@ pub enum BvhError {
         /// Index of the instance.
         instance: usize,
     },
+    /// A shape without a usable box.
+    #[error("the box of shape {shape}, {min:?} to {max:?}, is empty, not finite or beyond ±{max_coordinate:e}; mend or drop the shape", max_coordinate = MAX_COORDINATE)]
+    Shape {
+        /// Index of the shape.
+        shape: usize,
+        /// Least corner.
+        min: [f32; 3],
+        /// Greatest corner.
+        max: [f32; 3],
+    },
+    /// A build that is asked to be fast and to make fast rays.
+    #[error("`prefer_fast_trace` and `prefer_fast_build` exclude each other; give one of them or neither")]
+    BothPreferences,
+    /// An update of what was not built for it.
+    #[error("the {what} was built without `allow_update`; build it with that option, or build it anew")]
+    NotUpdatable {
+        /// `mesh` or `world`.
+        what: &'static str,
+    },
+    /// A compaction of what was not built for it.
+    #[error("the mesh was built without `allow_compaction` and has its exact size already; build it with that option")]
+    NotCompactable,
+    /// An update to another number of things.
+    #[error("an update to {got} {what} from {expected}: only a build can change their number")]
+    CountChanged {
+        /// What there are more or fewer of.
+        what: &'static str,
+        /// How many there are now.
+        got: usize,
+        /// How many there were.
+        expected: usize,
+    },
+    /// An update that would let an instance appear or vanish.
+    #[error("instance {instance} {change}: an update cannot do that; build the world anew")]
+    Activity {
+        /// Index of the instance.
+        instance: usize,
+        /// What would happen to it.
+        change: &'static str,
+    },
 }

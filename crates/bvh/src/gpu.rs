@@ -17,7 +17,7 @@
 
 use crate::{
     aabb::Aabb,
-    build::{BinaryTree, BuildOptions, Cost, Item},
+    build::{BinaryTree, Cost, Item, Sah},
     ray::{Filter, Hit, Ray},
     slab::{MARGIN, SlabRay},
     tlas::{Tlas, world_bounds},
@@ -116,7 +116,7 @@ const LEAF_TRIANGLES: usize = 4;
 impl FlatBvh {
     /// Builds binary trees over the meshes and instances of `tlas`. Instances that cannot be hit are left out.
     pub fn new(tlas: &Tlas) -> Self {
-        let options = BuildOptions { max_leaf_size: LEAF_TRIANGLES, ..BuildOptions::default() };
+        let sah = Sah { max_leaf_size: LEAF_TRIANGLES, ..Sah::default() };
         let meshes: Vec<(Vec<FlatTriangle>, Vec<FlatNode>)> = tlas
             .blases()
             .par_iter()
@@ -128,7 +128,7 @@ impl FlatBvh {
                     triangles[primitive as usize] = FlatTriangle { v0, primitive, v1, v2, ..FlatTriangle::default() };
                     items[primitive as usize] = Item::new(&Aabb::of_points(corners), primitive);
                 }
-                let tree = BinaryTree::build(items, &Cost { options, block: 1 });
+                let tree = BinaryTree::build(items, &Cost { sah, block: 1 });
                 (tree.order.iter().map(|&i| triangles[i as usize]).collect(), flatten(&tree))
             })
             .collect();
@@ -169,8 +169,8 @@ impl FlatBvh {
             let bounds = world_bounds(&tlas.blases()[p.blas as usize], &p.world_from_object);
             Item::new(&bounds, slot as u32)
         });
-        let options = BuildOptions { max_leaf_size: 1, ..BuildOptions::default() };
-        let tree = BinaryTree::build(items.collect(), &Cost { options, block: 1 });
+        let sah = Sah { max_leaf_size: 1, ..Sah::default() };
+        let tree = BinaryTree::build(items.collect(), &Cost { sah, block: 1 });
         self.tlas_nodes = flatten(&tree);
         self.tlas_stack = stack_of(&self.tlas_nodes);
         self.instances.extend(tree.order.iter().map(|&slot| {

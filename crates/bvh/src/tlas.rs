@@ -5,18 +5,21 @@ use crate::lanes::{Avx2, Avx512};
 use crate::{
     aabb::Aabb,
     blas::Blas,
-    build::{BinaryTree, BuildOptions, Cost, Item},
+    build::{BinaryTree, BuildOptions, Item, Sah},
     counters::{Count, NoCounters},
     error::BvhError,
     lanes::{Backend, Lanes, Portable},
+    limits::Limits,
     packet::{self, NearestHits, PacketWorld},
     ray::{Filter, Hit, Ray},
+    refit::UpdateReport,
     slab::MARGIN,
     traverse::{Nearest, Query, World},
     triangle::MAX_COORDINATE,
     wide::{Child, WideTree},
 };
 use glam::{Affine3A, DAffine3, DMat3};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// A mesh in the world.
@@ -102,6 +105,80 @@ pub struct Tlas {
     margin: f32,
     extra: f32,
     backend: Backend,
+    options: BuildOptions,
+    /// Expected work when it was built; 0 if it cannot be updated.
+    built_cost: f32,
+}
+
+/// What an instance turns out to be.
+enum Standing {
+    /// Its mesh has nothing to hit.
+    Empty,
+    /// Its transform cannot be inverted.
+    Singular,
+    Active(Found),
+}
+
+/// An instance that can be hit.
+struct Found {
+    placed: Placed,
+    bounds: Aabb,
+    /// By how much its transform amplifies rounding, and that times its translation, m.
+    condition: f64,
+    shift: f64,
+}
+
+impl Standing {
+    fn active(&self) -> Option<&Found> {
+        match self {
+            Self::Active(found) => Some(found),
+            _ => None,
+        }
+    }
+
+    /// Checks all instances.
+    fn of_all(blases: &[Arc<Blas>], instances: &[BvhInstance]) -> Result<Vec<Self>, BvhError> {
+        Limits::HERE.check_instances(instances.len())?;
+        instances.par_iter().enumerate().with_min_len(256).map(|(number, instance)| Self::of(blases, number, instance)).collect()
+    }
+
+    fn of(blases: &[Arc<Blas>], number: usize, instance: &BvhInstance) -> Result<Self, BvhError> {
+        let Some(blas) = blases.get(instance.blas) else {
+            return Err(BvhError::Blas { instance: number, blas: instance.blas, blases: blases.len() });
+        };
+        if !instance.world_from_object.is_finite() {
+            return Err(BvhError::Transform { instance: number });
+        }
+        if blas.bounds().is_empty() {
+            return Ok(Self::Empty);
+        }
+        let bounds = world_bounds(blas, &instance.world_from_object);
+        if bounds.max_abs().is_nan() || bounds.max_abs() > MAX_COORDINATE {
+            return Err(BvhError::Transform { instance: number });
+        }
+        let Some((object_from_world, condition)) = invert(&instance.world_from_object) else {
+            return Ok(Self::Singular);
+        };
+        let placed = Placed {
+            object_from_world,
+            world_from_object: instance.world_from_object,
+            blas: instance.blas as u32,
+            instance: number as u32,
+            mask: instance.mask,
+            opaque: instance.opaque,
+            identity: instance.world_from_object == Affine3A::IDENTITY,
+        };
+        let shift = condition * f64::from(instance.world_from_object.translation.abs().max_element());
+        Ok(Self::Active(Found { placed, bounds, condition, shift }))
+    }
+}
+
+/// Margins of the boxes of instances: see [`Tlas::margin`].
+fn margins(all: &[Standing]) -> (f32, f32) {
+    let active = all.iter().filter_map(Standing::active);
+    let (condition, shift) =
+        active.fold((1.0f64, 0.0f64), |(condition, shift), found| (condition.max(found.condition), shift.max(found.shift)));
+    (MARGIN * condition as f32, MARGIN * shift as f32)
 }
 
 impl Tlas {
@@ -112,54 +189,69 @@ impl Tlas {
     /// # Errors
     /// An instance of a mesh that does not exist, a transform that is not finite or moves its mesh beyond ±10¹⁸, or too many instances.
     pub fn build(blases: Vec<Arc<Blas>>, instances: Vec<BvhInstance>) -> Result<Self, BvhError> {
-        if instances.len() > Child::MAX_INDEX {
-            return Err(BvhError::TooMany { what: "instances", got: instances.len(), max: Child::MAX_INDEX });
-        }
-        let mut all = Vec::with_capacity(instances.len());
-        let mut items = Vec::with_capacity(instances.len());
-        let mut singular = Vec::new();
-        let (mut condition, mut shift) = (1.0f64, 0.0f64);
-        for (number, instance) in instances.iter().enumerate() {
-            let Some(blas) = blases.get(instance.blas) else {
-                return Err(BvhError::Blas { instance: number, blas: instance.blas, blases: blases.len() });
-            };
-            if !instance.world_from_object.is_finite() {
-                return Err(BvhError::Transform { instance: number });
-            }
-            if blas.bounds().is_empty() {
-                continue;
-            }
-            let bounds = world_bounds(blas, &instance.world_from_object);
-            if bounds.max_abs().is_nan() || bounds.max_abs() > MAX_COORDINATE {
-                return Err(BvhError::Transform { instance: number });
-            }
-            let Some((object_from_world, amplification)) = invert(&instance.world_from_object) else {
-                singular.push(number);
-                continue;
-            };
-            condition = condition.max(amplification);
-            shift = shift.max(amplification * f64::from(instance.world_from_object.translation.abs().max_element()));
-            items.push(Item::new(&bounds, all.len() as u32));
-            all.push(Placed {
-                object_from_world,
-                world_from_object: instance.world_from_object,
-                blas: instance.blas as u32,
-                instance: number as u32,
-                mask: instance.mask,
-                opaque: instance.opaque,
-                identity: instance.world_from_object == Affine3A::IDENTITY,
-            });
-        }
-        let options = BuildOptions { max_leaf_size: 1, ..BuildOptions::default() };
-        let binary = BinaryTree::build(items, &Cost { options, block: 1 });
-        let mut placed = Vec::with_capacity(all.len());
+        Self::build_with(blases, &instances, &BuildOptions::default())
+    }
+
+    /// [`build`](Self::build) as the options say. Instances are not cut, so that here [`BuildQuality::High`](crate::BuildQuality::High) is as
+    /// [`BuildQuality::Balanced`](crate::BuildQuality::Balanced).
+    ///
+    /// # Errors
+    /// Those of [`build`](Self::build).
+    pub fn build_with(blases: Vec<Arc<Blas>>, instances: &[BvhInstance], options: &BuildOptions) -> Result<Self, BvhError> {
+        let options = BuildOptions { sah: Sah { max_leaf_size: 1, ..options.sah }, low_memory: false, ..*options };
+        let all = Standing::of_all(&blases, instances)?;
+        let items = all.iter().enumerate().filter_map(|(number, standing)| match standing {
+            Standing::Active(found) => Some(Item::new(&found.bounds, number as u32)),
+            _ => None,
+        });
+        let binary = BinaryTree::with_options(items.collect(), 1, &options, |_| None);
+        let mut placed = Vec::with_capacity(binary.order.len());
         let tree = WideTree::collapse(&binary, |range| {
             let first = placed.len();
-            placed.extend(binary.order[range].iter().map(|&number| all[number as usize]));
+            placed.extend(binary.order[range].iter().filter_map(|&number| all[number as usize].active()).map(|found| found.placed));
             Child::leaf(first, placed.len() - first)
         });
-        let (margin, extra) = (MARGIN * condition as f32, MARGIN * shift as f32);
-        Ok(Self { blases, placed, tree, instances: instances.len(), singular, margin, extra, backend: Backend::detect() })
+        let singular = (0..all.len()).filter(|&number| matches!(all[number], Standing::Singular)).collect();
+        let (margin, extra) = margins(&all);
+        let backend = Backend::detect();
+        let mut tlas = Self { blases, placed, tree, instances: all.len(), singular, margin, extra, backend, options, built_cost: 0.0 };
+        if options.allow_update {
+            tlas.built_cost = tlas.sah_cost(options.sah.node_cost);
+        }
+        Ok(tlas)
+    }
+
+    /// Moves instances, or gives them other meshes, masks and opacity, and keeps the tree: see [`Blas::update`]. After a mesh was updated, this
+    /// is what tells the world. Nothing changes on an error.
+    ///
+    /// # Errors
+    /// A world that was built without [`BuildOptions::allow_update`], another number of instances, an instance that would appear or vanish (its mesh
+    /// has become empty or its transform singular, or no longer is), and what [`build`](Self::build) refuses.
+    pub fn update(&mut self, blases: Vec<Arc<Blas>>, instances: &[BvhInstance]) -> Result<UpdateReport, BvhError> {
+        if !self.options.allow_update {
+            return Err(BvhError::NotUpdatable { what: "world" });
+        }
+        if instances.len() != self.instances {
+            return Err(BvhError::CountChanged { what: "instances", got: instances.len(), expected: self.instances });
+        }
+        let all = Standing::of_all(&blases, instances)?;
+        let mut was_active = vec![false; all.len()];
+        self.placed.iter().for_each(|placed| was_active[placed.instance as usize] = true);
+        for (instance, standing) in all.iter().enumerate() {
+            match (was_active[instance], standing.active().is_some()) {
+                (false, true) => return Err(BvhError::Activity { instance, change: "would appear" }),
+                (true, false) => return Err(BvhError::Activity { instance, change: "would vanish" }),
+                _ => {}
+            }
+        }
+        let found = |placed: &Placed| all[placed.instance as usize].active().expect("checked above");
+        self.placed.par_iter_mut().with_min_len(256).for_each(|placed| *placed = found(placed).placed);
+        let placed = &self.placed;
+        self.tree.refit(|slot| found(&placed[slot]).bounds);
+        (self.margin, self.extra) = margins(&all);
+        self.singular = (0..all.len()).filter(|&number| matches!(all[number], Standing::Singular)).collect();
+        self.blases = blases;
+        Ok(UpdateReport { built_cost: self.built_cost, cost: self.sah_cost(self.options.sah.node_cost) })
     }
 
     /// One mesh at the origin, opaque.
@@ -303,6 +395,11 @@ impl Tlas {
     /// Instances given to the build, whether or not they can be hit.
     pub fn instance_count(&self) -> usize {
         self.instances
+    }
+
+    /// How it was built.
+    pub fn options(&self) -> &BuildOptions {
+        &self.options
     }
 
     /// Instances left out because their transform cannot be inverted.

@@ -9,7 +9,7 @@ use crate::{
     slab::{MARGIN, SlabRay},
     stack::{Stack, Storage, Waiting},
     tlas::Tlas,
-    triangle::{BLOCK_SIZE, ShearedRay},
+    triangle::{BLOCK_SIZE, Block, NO_PRIMITIVE, ShearedRay},
     wide::{Child, Node, WIDTH, WideTree},
 };
 use std::ops::Range;
@@ -29,6 +29,11 @@ impl Nearest {
     #[inline(always)]
     pub fn is_beaten_by(&self, hit: &Hit) -> bool {
         hit.t < self.hit.t || (hit.t == self.hit.t && hit.primitive_ref().key() < self.hit.primitive_ref().key())
+    }
+
+    /// [`is_beaten_by`](Self::is_beaten_by), for shapes too, whose interval is closed: at `t_max` they beat nothing.
+    pub fn admits(&self, hit: &Hit) -> bool {
+        self.is_beaten_by(hit) || (!self.found && hit.t == self.hit.t)
     }
 
     pub fn into_option(self) -> Option<Hit> {
@@ -200,7 +205,11 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Visi
             let exclude = self.query.filter.excluded_in(placed.instance);
             let ask = !OPAQUE && !placed.opaque;
             let blas = &self.tlas.blases()[placed.blas as usize];
-            L::call(Mesh::<F, C, ANY> { blas, ray, instance: placed.instance, ask, exclude, query: self.query });
+            if blas.shapes().is_none() {
+                L::call(Mesh::<F, C, ANY, false> { blas, ray, instance: placed.instance, ask, exclude, query: self.query });
+            } else {
+                L::call(Mesh::<F, C, ANY, true> { blas, ray, instance: placed.instance, ask, exclude, query: self.query });
+            }
             if ANY && self.query.nearest.found {
                 return true;
             }
@@ -209,8 +218,8 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Visi
     }
 }
 
-/// Traces a ray through one mesh, in its space.
-pub(crate) struct Mesh<'a, 'q, F, C, const ANY: bool> {
+/// Traces a ray through one mesh, in its space. `SHAPES` tells whether it has any.
+pub(crate) struct Mesh<'a, 'q, F, C, const ANY: bool, const SHAPES: bool> {
     pub blas: &'a Blas,
     pub ray: Ray,
     pub instance: u32,
@@ -219,7 +228,7 @@ pub(crate) struct Mesh<'a, 'q, F, C, const ANY: bool> {
     pub query: &'a mut Query<'q, F, C>,
 }
 
-impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool> Task for Mesh<'_, '_, F, C, ANY> {
+impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const SHAPES: bool> Task for Mesh<'_, '_, F, C, ANY, SHAPES> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let tree = self.blas.tree();
@@ -230,12 +239,12 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool> Task for Mesh<'_, '_, F,
 }
 
 /// Leaves of the lower level are blocks of triangles.
-struct InMesh<'a, 'q, F, C, const ANY: bool> {
+struct InMesh<'a, 'q, F, C, const ANY: bool, const SHAPES: bool> {
     sheared: ShearedRay,
-    mesh: Mesh<'a, 'q, F, C, ANY>,
+    mesh: Mesh<'a, 'q, F, C, ANY, SHAPES>,
 }
 
-impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool> Visitor for InMesh<'_, '_, F, C, ANY> {
+impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const SHAPES: bool> Visitor for InMesh<'_, '_, F, C, ANY, SHAPES> {
     const ORDERED: bool = !ANY;
 
     #[inline(always)]
@@ -262,12 +271,31 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool> Visitor for InMesh<'_, '
                     return true;
                 }
             }
+            if SHAPES {
+                self.shapes(block);
+                if ANY && self.mesh.query.nearest.found {
+                    return true;
+                }
+            }
         }
         false
     }
 }
 
-impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool> InMesh<'_, '_, F, C, ANY> {
+impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const SHAPES: bool> InMesh<'_, '_, F, C, ANY, SHAPES> {
+    /// Asks the shapes of a block.
+    #[inline(never)]
+    fn shapes(&mut self, block: &Block) {
+        for primitive in block.primitives.into_iter().filter(|&primitive| primitive != NO_PRIMITIVE) {
+            let Some(crossing) = self.mesh.blas.cross_shape(primitive, &self.mesh.ray) else { continue };
+            let hit = Hit { t: crossing.t, u: crossing.u, v: crossing.v, primitive, instance: self.mesh.instance };
+            let query = &mut *self.mesh.query;
+            if query.nearest.admits(&hit) && primitive != self.mesh.exclude && (!self.mesh.ask || (query.accept)(&hit)) {
+                query.nearest = Nearest { hit, found: true };
+            }
+        }
+    }
+
     /// Keeps a hit if it is nearer than the one before and accepted.
     #[inline(always)]
     fn consider(&mut self, primitive: u32, t: f32, u: f32, v: f32) {

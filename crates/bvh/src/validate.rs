@@ -4,9 +4,10 @@ use crate::{
     aabb::Aabb,
     blas::Blas,
     tlas::{Tlas, world_bounds},
-    triangle::{Block, NO_PRIMITIVE},
+    triangle::NO_PRIMITIVE,
     wide::{Child, WideTree},
 };
+use glam::Vec3;
 
 /// What is wrong with a tree. A bug in the builder, or memory that was overwritten.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -40,26 +41,53 @@ pub enum Fault {
         /// How often it is reached.
         times: usize,
     },
+    /// A triangle that was cut, of which a part is in no box.
+    #[error("triangle {primitive} was cut, and no part of it covers {point:?}")]
+    Uncovered {
+        /// Index of the triangle.
+        primitive: usize,
+        /// A point of it.
+        point: [f32; 3],
+    },
 }
 
 impl Blas {
-    /// Checks that every triangle is reached exactly once and every box contains its children.
+    /// Checks that every box contains its children, and that every triangle and shape is reached: once, or where triangles were cut, in parts that cover it.
     ///
     /// # Errors
     /// The first fault found.
     pub fn validate(&self) -> Result<(), Fault> {
         let blocks = self.blocks();
-        let mut reached = vec![0; self.triangle_count()];
-        check_tree(self.tree(), blocks.len(), |block| {
-            for &primitive in blocks[block].primitives.iter().filter(|&&p| p != NO_PRIMITIVE) {
+        let mut reached = vec![0; self.triangle_count() + self.shape_count()];
+        let mut in_one_box = vec![false; self.triangle_count()];
+        let mut parts = Vec::new();
+        check_tree(self.tree(), blocks.len(), |index, outer| {
+            let mut bounds = Aabb::EMPTY;
+            let block = &blocks[index];
+            for (lane, &primitive) in block.primitives.iter().enumerate().filter(|&(_, &p)| p != NO_PRIMITIVE) {
                 match reached.get_mut(primitive as usize) {
                     Some(times) => *times += 1,
                     None => return Err(Fault::Reached { primitive: primitive as usize, times: 1 }),
                 }
+                let whole = match (primitive as usize).checked_sub(self.triangle_count()) {
+                    None => Aabb::of_points(block.get(lane)),
+                    Some(shape) => self.shapes().expect("counted above").bounds(shape),
+                };
+                if self.is_cut() && !outer.contains(&whole) {
+                    parts.push(Part { primitive, corners: block.get(lane), bounds: *outer });
+                } else {
+                    bounds = bounds.union(whole);
+                    if let Some(is) = in_one_box.get_mut(primitive as usize) {
+                        *is = true;
+                    }
+                }
             }
-            Ok(block_bounds(&blocks[block]))
+            Ok(bounds)
         })?;
-        match reached.iter().position(|&times| times != 1) {
+        parts.retain(|part| !in_one_box[part.primitive as usize]);
+        check_parts(&mut parts)?;
+        let may_repeat = |primitive: usize| self.is_cut() && primitive < self.triangle_count();
+        match reached.iter().enumerate().position(|(primitive, &times)| times == 0 || (times > 1 && !may_repeat(primitive))) {
             Some(primitive) => Err(Fault::Reached { primitive, times: reached[primitive] }),
             None => Ok(()),
         }
@@ -73,28 +101,36 @@ impl Blas {
     ///
     /// \[MacDonald90] eq. 1, for nodes of eight children and blocks of four triangles. Unit: tests of a block. 0 when there is nothing.
     pub fn sah_cost(&self, node_cost: f32) -> f32 {
-        let tree = self.tree();
-        let whole = tree.bounds.half_area();
-        if tree.root == Child::NONE || whole == 0.0 {
-            return 0.0;
-        }
-        if tree.root.is_leaf() {
-            return tree.root.items().len() as f32;
-        }
-        let below: f64 = tree
-            .nodes
-            .iter()
-            .flat_map(|node| node.used())
-            .map(|(bounds, child)| {
-                let tests = if child.is_leaf() { child.items().len() as f32 } else { node_cost };
-                f64::from(bounds.half_area() / whole * tests)
-            })
-            .sum();
-        node_cost + below as f32
+        sah_cost(self.tree(), node_cost)
     }
 }
 
+fn sah_cost(tree: &WideTree, node_cost: f32) -> f32 {
+    let whole = tree.bounds.half_area();
+    if tree.root == Child::NONE || whole == 0.0 {
+        return 0.0;
+    }
+    if tree.root.is_leaf() {
+        return tree.root.items().len() as f32;
+    }
+    let below: f64 = tree
+        .nodes
+        .iter()
+        .flat_map(|node| node.used())
+        .map(|(bounds, child)| {
+            let tests = if child.is_leaf() { child.items().len() as f32 } else { node_cost };
+            f64::from(bounds.half_area() / whole * tests)
+        })
+        .sum();
+    node_cost + below as f32
+}
+
 impl Tlas {
+    /// Expected work of a ray that meets the box of the world, like [`Blas::sah_cost`]: nodes of the upper level, and instances entered at 1 each.
+    pub fn sah_cost(&self, node_cost: f32) -> f32 {
+        sah_cost(self.tree(), node_cost)
+    }
+
     /// Checks the upper level like [`Blas::validate`], and every mesh.
     ///
     /// # Errors
@@ -102,7 +138,7 @@ impl Tlas {
     pub fn validate(&self) -> Result<(), Fault> {
         let placed = self.placed();
         let mut reached = vec![0; placed.len()];
-        check_tree(self.tree(), placed.len(), |slot| {
+        check_tree(self.tree(), placed.len(), |slot, _| {
             reached[slot] += 1;
             Ok(world_bounds(&self.blases()[placed[slot].blas as usize], &placed[slot].world_from_object))
         })?;
@@ -113,17 +149,42 @@ impl Tlas {
     }
 }
 
-/// Box around the triangles of a block.
-fn block_bounds(block: &Block) -> Aabb {
-    let lanes = (0..block.primitives.len()).filter(|&lane| block.primitives[lane] != NO_PRIMITIVE);
-    Aabb::of_points(lanes.flat_map(|lane| block.get(lane)))
+/// A triangle in a box that does not contain all of it.
+struct Part {
+    primitive: u32,
+    corners: [Vec3; 3],
+    bounds: Aabb,
 }
 
-/// Walks a whole tree. `item` counts an item and returns its box.
-fn check_tree(tree: &WideTree, items: usize, mut item: impl FnMut(usize) -> Result<Aabb, Fault>) -> Result<(), Fault> {
-    let mut leaf_bounds = |node: usize, child: Child| {
+/// Checks that the parts of each triangle cover it, at a grid of points of it.
+fn check_parts(parts: &mut [Part]) -> Result<(), Fault> {
+    parts.sort_by_key(|part| part.primitive);
+    for parts in parts.chunk_by(|a, b| a.primitive == b.primitive) {
+        let Part { primitive, corners: [a, b, c], .. } = parts[0];
+        // The points are rounded.
+        let slack = a.abs().max(b.abs()).max(c.abs()).max_element() * (1.0 / 1048576.0);
+        let boxes: Vec<Aabb> = parts.iter().map(|part| part.bounds.expanded(slack)).collect();
+        for i in 0..=GRID {
+            for j in 0..=GRID - i {
+                let (u, v) = (i as f32 / GRID as f32, j as f32 / GRID as f32);
+                let point = a * (1.0 - u - v) + b * u + c * v;
+                if !boxes.iter().any(|bounds| bounds.contains(&Aabb { min: point, max: point })) {
+                    return Err(Fault::Uncovered { primitive: primitive as usize, point: point.to_array() });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Steps along an edge of a triangle that is checked for gaps.
+const GRID: usize = 16;
+
+/// Walks a whole tree. `item` counts an item of a leaf with the given box and returns what the box must contain.
+fn check_tree(tree: &WideTree, items: usize, mut item: impl FnMut(usize, &Aabb) -> Result<Aabb, Fault>) -> Result<(), Fault> {
+    let mut leaf_bounds = |node: usize, child: Child, outer: &Aabb| {
         child.items().try_fold(Aabb::EMPTY, |bounds, i| match i < items {
-            true => Ok(bounds.union(item(i)?)),
+            true => Ok(bounds.union(item(i, outer)?)),
             false => Err(Fault::Reference { node, what: format!("item {i}") }),
         })
     };
@@ -131,7 +192,7 @@ fn check_tree(tree: &WideTree, items: usize, mut item: impl FnMut(usize) -> Resu
         return Ok(());
     }
     if tree.root.is_leaf() {
-        let inner = leaf_bounds(0, tree.root)?;
+        let inner = leaf_bounds(0, tree.root, &tree.bounds)?;
         return contained(0, 0, &tree.bounds, &inner);
     }
     let mut seen = vec![false; tree.nodes.len()];
@@ -145,7 +206,7 @@ fn check_tree(tree: &WideTree, items: usize, mut item: impl FnMut(usize) -> Resu
         for (slot, (bounds, child)) in tree.nodes[index].used().enumerate() {
             contained(index, slot, &outer, &bounds)?;
             if child.is_leaf() {
-                contained(index, slot, &bounds, &leaf_bounds(index, child)?)?;
+                contained(index, slot, &bounds, &leaf_bounds(index, child, &bounds)?)?;
             } else {
                 waiting.push((child, bounds));
             }
@@ -166,7 +227,6 @@ fn contained(node: usize, slot: usize, outer: &Aabb, inner: &Aabb) -> Result<(),
 mod tests {
     use super::*;
     use crate::BuildOptions;
-    use glam::Vec3;
 
     fn strip(count: u32) -> Blas {
         let positions: Vec<Vec3> = (0..count + 2).map(|i| Vec3::new(i as f32, (i % 2) as f32, (i % 7) as f32)).collect();

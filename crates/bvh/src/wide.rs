@@ -74,7 +74,8 @@ impl Node {
         children: [Child::NONE; WIDTH],
     };
 
-    fn set(&mut self, slot: usize, bounds: &Aabb, child: Child) {
+    /// Puts a child into a slot.
+    pub fn set(&mut self, slot: usize, bounds: &Aabb, child: Child) {
         for axis in 0..3 {
             self.planes[2 * axis][slot] = bounds.min[axis];
             self.planes[2 * axis + 1][slot] = bounds.max[axis];
@@ -86,6 +87,11 @@ impl Node {
     pub fn bounds(&self, slot: usize) -> Aabb {
         let p = |plane: usize| self.planes[plane][slot];
         Aabb { min: glam::Vec3::new(p(0), p(2), p(4)), max: glam::Vec3::new(p(1), p(3), p(5)) }
+    }
+
+    /// Box around all children.
+    pub fn all_bounds(&self) -> Aabb {
+        self.used().fold(Aabb::EMPTY, |all, (bounds, _)| all.union(bounds))
     }
 
     /// Boxes and children in use.
@@ -136,8 +142,13 @@ impl WideTree {
         Self { nodes, root: Child::node(0), bounds: top.bounds() }
     }
 
-    /// Bytes held.
+    /// Bytes held, with those set aside.
     pub fn memory(&self) -> usize {
+        self.nodes.capacity() * std::mem::size_of::<Node>()
+    }
+
+    /// Bytes of the nodes alone.
+    pub fn compacted_memory(&self) -> usize {
         std::mem::size_of_val(&self.nodes[..])
     }
 }

@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
-use kajo_bvh::{Blas, BuildOptions, BvhError, BvhInstance, Counters, Filter, PrimitiveRef, Ray, Tlas, gpu::FlatBvh};
+use kajo_bvh::{Blas, BuildOptions, BuildQuality, BvhError, BvhInstance, Counters, Filter, PrimitiveRef, Ray, Sah, Tlas, gpu::FlatBvh};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -247,7 +247,12 @@ fn sah_cost_of_known_trees() {
     // Two right triangles (box 1 × 1 × 0, half area 1) at z = 0 and z = 9; the box of both is 1 × 1 × 9, half area 19.
     let squares = stack_of_squares(10);
     let pair = TestMesh { indices: vec![squares.indices[0], squares.indices[18]], ..squares };
-    let blas = Blas::build(&pair.positions, &pair.indices, &BuildOptions { max_leaf_size: 1, ..BuildOptions::default() }).unwrap();
+    let blas = Blas::build(
+        &pair.positions,
+        &pair.indices,
+        &BuildOptions { sah: Sah { max_leaf_size: 1, ..Sah::default() }, ..BuildOptions::default() },
+    )
+    .unwrap();
     assert!((blas.sah_cost(3.0) - (3.0 + 2.0 / 19.0)).abs() < 1e-6, "{}", blas.sah_cost(3.0));
 }
 
@@ -295,9 +300,12 @@ proptest! {
         shift in point(),
         scale in [0.001f32..100.0, -100f32..-0.001, 0.5f32..2.0],
         options in (2usize..40, 0usize..50, 0f32..4.0),
+        quality in prop::sample::select(BuildQuality::ALL.to_vec()),
+        low_memory in prop::bool::weighted(0.2),
     ) {
         let indices: Vec<[u32; 3]> = picks.iter().map(|p| p.map(|i| i.index(positions.len()) as u32)).collect();
-        let options = BuildOptions { bins: options.0, max_leaf_size: options.1, node_cost: options.2 };
+        let sah = Sah { bins: options.0, max_leaf_size: options.1, node_cost: options.2 };
+        let options = BuildOptions { sah, quality, low_memory, ..BuildOptions::default() };
         let blas = Arc::new(Blas::build(&positions, &indices, &options).unwrap());
         let placed = Affine3A::from_translation(shift) * Affine3A::from_scale(Vec3::from_array(scale));
         let instances = vec![BvhInstance::new(0, placed), BvhInstance::new(0, Affine3A::IDENTITY), BvhInstance::new(0, placed.inverse())];

@@ -110,6 +110,19 @@ impl Bins {
         (best.bin > 0).then_some(best)
     }
 
+    /// Half the surface of what the boxes of both sides of a plane have in common.
+    pub fn overlap(&self, plane: &Plane) -> f32 {
+        let side = |bins: &[[Bin; 3]]| {
+            bins.iter().fold(Bin::EMPTY, |mut all, bin| {
+                all.add(bin[plane.axis].min, bin[plane.axis].max);
+                all
+            })
+        };
+        let (left, right) = (side(&self.boxes[..plane.bin]), side(&self.boxes[plane.bin..self.count]));
+        let extent = (left.max.min(right.max) - left.min.max(right.min)).max(Vec4::ZERO);
+        half_area(Vec4::ZERO, extent)
+    }
+
     /// Moves the items left of the plane to the front. The order depends on the items alone.
     pub fn partition(&self, items: &mut [Item], plane: &Plane) -> Split {
         let (mut left, mut right) = (Bounds::EMPTY, Bounds::EMPTY);

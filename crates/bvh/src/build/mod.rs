@@ -1,23 +1,30 @@
-//! From boxes to a binary tree, by the surface area heuristic.
+//! From boxes to a binary tree, in one of three ways.
 
 mod bins;
+mod morton;
+mod options;
+mod spatial;
 mod tree;
 
 pub(crate) use tree::{BinaryNode, BinaryTree, Cost, Item};
 
-/// How to weigh a split. The defaults suit the traversal of this crate.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BuildOptions {
-    /// Candidate planes an axis, plus one; 2 to 32.
-    pub bins: usize,
-    /// Greatest number of triangles in a leaf; 1 to 32.
-    pub max_leaf_size: usize,
-    /// Cost of visiting a node, in units of the cost of a triangle block.
-    pub node_cost: f32,
-}
+pub use options::{BuildFlags, BuildOptions, BuildQuality, Sah};
 
-impl Default for BuildOptions {
-    fn default() -> Self {
-        Self { bins: 16, max_leaf_size: 8, node_cost: 1.0 }
+use glam::Vec3;
+
+impl BinaryTree {
+    /// Builds as the options say; the result does not depend on the number of threads. `triangle` gives the corners of an item that may be cut.
+    pub fn with_options(
+        items: Vec<Item>,
+        block: usize,
+        options: &BuildOptions,
+        triangle: impl Fn(u32) -> Option<[Vec3; 3]> + Sync,
+    ) -> Self {
+        let cost = Cost { sah: options.effective_sah(), block };
+        match options.quality {
+            BuildQuality::Fast => morton::build(items, &cost),
+            _ if options.may_cut() => spatial::build(items, &cost, &triangle),
+            _ => Self::build(items, &cost),
+        }
     }
 }

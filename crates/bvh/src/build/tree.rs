@@ -1,6 +1,6 @@
-//! The binary tree and its recursive build.
+//! The binary tree and its recursive build by binned surface area heuristic.
 
-use super::{BuildOptions, bins::Bins};
+use super::{Sah, bins::Bins};
 use crate::{aabb::Aabb, stack::MAX_DEPTH};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 use std::ops::Range;
@@ -26,6 +26,10 @@ impl Item {
         self.min.w.to_bits() & !NORMAL
     }
 
+    pub fn bounds(&self) -> Aabb {
+        Aabb { min: self.min.xyz(), max: self.max.xyz() }
+    }
+
     /// Twice the centre of the box; the last lane means nothing.
     #[inline(always)]
     pub fn center2(&self) -> Vec4 {
@@ -43,7 +47,7 @@ impl Item {
     }
 }
 
-/// Inner node: children at the next index and at `right`. Leaf: `count` items from `first`.
+/// Inner node: children at `left` and `right`. Leaf: `count` items from `first`.
 #[derive(Clone, Copy, Debug)]
 pub struct BinaryNode {
     min: Vec3,
@@ -55,7 +59,17 @@ pub struct BinaryNode {
 }
 
 impl BinaryNode {
-    const UNUSED: Self = Self { min: Vec3::ZERO, max: Vec3::ZERO, first: 0, count: 0, left: 0, right: 0 };
+    pub const UNUSED: Self = Self { min: Vec3::ZERO, max: Vec3::ZERO, first: 0, count: 0, left: 0, right: 0 };
+
+    /// A leaf with `count` items from `first`.
+    pub fn of_leaf(bounds: &Bounds, first: usize, count: usize) -> Self {
+        Self { min: bounds.min.xyz(), max: bounds.max.xyz(), first: first as u32, count: count as u32, left: 0, right: 0 }
+    }
+
+    /// An inner node.
+    pub fn of_children(bounds: &Bounds, left: usize, right: usize) -> Self {
+        Self { min: bounds.min.xyz(), max: bounds.max.xyz(), first: 0, count: 0, left: left as u32, right: right as u32 }
+    }
 
     pub fn bounds(&self) -> Aabb {
         Aabb { min: self.min, max: self.max }
@@ -83,7 +97,7 @@ pub struct BinaryTree {
 /// What the cost model needs to know.
 #[derive(Clone, Copy, Debug)]
 pub struct Cost {
-    pub options: BuildOptions,
+    pub sah: Sah,
     /// Items that are tested together.
     pub block: usize,
 }
@@ -96,10 +110,10 @@ impl Cost {
 }
 
 /// Below this many items a subtree is built by one thread.
-const PARALLEL_ITEMS: usize = 4096;
+pub const PARALLEL_ITEMS: usize = 4096;
 
 /// From this depth on, halves of equal count bound the depth.
-const BALANCE_DEPTH: usize = MAX_DEPTH - 32;
+pub const BALANCE_DEPTH: usize = MAX_DEPTH - 32;
 
 impl BinaryTree {
     /// Builds over items; the result does not depend on the number of threads.
@@ -127,7 +141,7 @@ impl Bounds {
     pub const EMPTY: Self =
         Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY, center_min: Vec4::INFINITY, center_max: Vec4::NEG_INFINITY };
 
-    fn of(items: &[Item]) -> Self {
+    pub fn of(items: &[Item]) -> Self {
         let mut bounds = Self::EMPTY;
         for item in items {
             bounds.add(item);
@@ -144,6 +158,16 @@ impl Bounds {
         self.center_max = self.center_max.max(center);
     }
 
+    /// Boxes around both.
+    pub fn union(&self, other: &Self) -> Self {
+        Self {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+            center_min: self.center_min.min(other.center_min),
+            center_max: self.center_max.max(other.center_max),
+        }
+    }
+
     pub fn half_area(&self) -> f32 {
         half_area(self.min, self.max)
     }
@@ -157,25 +181,25 @@ pub fn half_area(min: Vec4, max: Vec4) -> f32 {
 }
 
 /// A subtree to build: its items, the nodes reserved for it, and where both start in the whole.
-struct Task<'a> {
-    items: &'a mut [Item],
-    nodes: &'a mut [BinaryNode],
-    first_item: usize,
-    first_node: usize,
-    depth: usize,
+pub struct Task<'a> {
+    pub items: &'a mut [Item],
+    pub nodes: &'a mut [BinaryNode],
+    pub first_item: usize,
+    pub first_node: usize,
+    pub depth: usize,
 }
 
-fn build(task: Task, bounds: Bounds, cost: &Cost, bins: &mut Bins) {
+/// Builds a subtree over items with the given bounds.
+pub fn build(task: Task, bounds: Bounds, cost: &Cost, bins: &mut Bins) {
     let Task { items, nodes, first_item, first_node, depth } = task;
     let count = items.len();
-    let (min, max) = (bounds.min.xyz(), bounds.max.xyz());
     let (node, nodes) = nodes.split_first_mut().expect("a place for every node");
     let Some(Split { middle, left: left_bounds, right: right_bounds }) = split(items, &bounds, depth, cost, bins) else {
-        *node = BinaryNode { min, max, first: first_item as u32, count: count as u32, left: 0, right: 0 };
+        *node = BinaryNode::of_leaf(&bounds, first_item, count);
         return;
     };
     let (left_first, right_first) = (first_node + 1, first_node + 2 * middle);
-    *node = BinaryNode { min, max, first: 0, count: 0, left: left_first as u32, right: right_first as u32 };
+    *node = BinaryNode::of_children(&bounds, left_first, right_first);
     let (left, right) = items.split_at_mut(middle);
     let (left_nodes, right_nodes) = nodes.split_at_mut(2 * middle - 1);
     let left = Task { items: left, nodes: left_nodes, first_item, first_node: left_first, depth: depth + 1 };
@@ -201,21 +225,21 @@ fn split(items: &mut [Item], bounds: &Bounds, depth: usize, cost: &Cost, bins: &
     if count == 1 {
         return None;
     }
-    let must_split = count > cost.options.max_leaf_size;
+    let must_split = count > cost.sah.max_leaf_size;
     if depth >= BALANCE_DEPTH {
         return must_split.then(|| halve(items, bounds));
     }
-    bins.fill(items, bounds, cost.options.bins);
+    bins.fill(items, bounds, cost.sah.bins);
     let area = bounds.half_area();
     let leaf_cost = area * cost.blocks(count);
     match bins.best_plane(cost) {
-        Some(plane) if must_split || area * cost.options.node_cost + plane.cost < leaf_cost => Some(bins.partition(items, &plane)),
+        Some(plane) if must_split || area * cost.sah.node_cost + plane.cost < leaf_cost => Some(bins.partition(items, &plane)),
         _ => must_split.then(|| halve(items, bounds)),
     }
 }
 
 /// Splits at the median of the longest axis of the centres; equal centres by number.
-fn halve(items: &mut [Item], bounds: &Bounds) -> Split {
+pub fn halve(items: &mut [Item], bounds: &Bounds) -> Split {
     let extent = (bounds.center_max - bounds.center_min).xyz();
     let axis = extent.max_position();
     let middle = items.len() / 2;

@@ -105,7 +105,7 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> PacketWorld<'_, F, ANY> {
     fn enter<L: Lanes>(&mut self, instance: &Instance, packet: &Packet) {
         let tree = instance.blas.tree();
         let frustum = packet.frustum(&tree.bounds, MARGIN, 0.0);
-        if packet.alike && frustum.finite {
+        if packet.alike && frustum.finite && instance.blas.shapes().is_none() {
             let limit = self.nearest.farthest();
             walk::<L, _, _>(tree, &frustum, &mut InMesh { instance, packet, frustum: &frustum, limit, world: self });
         } else {
@@ -124,7 +124,11 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> PacketWorld<'_, F, ANY> {
             let accept = |hit: &Hit| accept(i, hit);
             let (nearest, counters) = (self.nearest.get(i), &mut NoCounters);
             let mut query = Query { ray: &self.rays[i], filter: self.filter, accept, counters, nearest };
-            L::Single::call(Mesh::<_, _, ANY> { blas, ray, instance: placed.instance, ask, exclude, query: &mut query });
+            if blas.shapes().is_none() {
+                L::Single::call(Mesh::<_, _, ANY, false> { blas, ray, instance: placed.instance, ask, exclude, query: &mut query });
+            } else {
+                L::Single::call(Mesh::<_, _, ANY, true> { blas, ray, instance: placed.instance, ask, exclude, query: &mut query });
+            }
             let nearest = query.nearest;
             self.nearest.set::<ANY>(i, nearest);
         }

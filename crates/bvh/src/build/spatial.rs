@@ -1,0 +1,348 @@
+//! The build for fast rays: planes may also cut triangles in two, \[Stich09].
+//!
+//! A cut triangle is kept once on each side, with the box of the part that lies there, so long thin triangles no longer make boxes that overlap. The parts of a
+//! triangle cover it exactly: corners of a part are rounded outwards. References that cuts add take room that is set aside in the list of items,
+//! and is shared out to the two sides of each split in proportion to their items; so subtrees can be built side by side, and the result
+//! does not depend on the number of threads.
+
+use super::{
+    bins::Bins,
+    tree::{BALANCE_DEPTH, BinaryNode, BinaryTree, Bounds, Cost, Item, PARALLEL_ITEMS, Split, half_area, halve},
+};
+use crate::aabb::Aabb;
+use glam::{DVec3, Vec3, Vec4, Vec4Swizzles};
+
+/// Room for added references, in parts of the items.
+const ROOM: f32 = 0.5;
+
+/// A cut is tried where the sides of the best plane that cuts nothing overlap in more than this part of the surface of everything, \[Stich09] section 4.5.
+const LEAST_OVERLAP: f32 = 1e-5;
+
+/// Bins an axis for cuts.
+const BINS: usize = 16;
+
+/// Corners of an item that may be cut.
+trait Triangle: Fn(u32) -> Option<[Vec3; 3]> + Sync {}
+impl<T: Fn(u32) -> Option<[Vec3; 3]> + Sync> Triangle for T {}
+
+/// Builds over items; `order` of the result has gaps that no leaf refers to.
+pub fn build(mut items: Vec<Item>, cost: &Cost, triangle: &(impl Fn(u32) -> Option<[Vec3; 3]> + Sync)) -> BinaryTree {
+    if items.is_empty() {
+        return BinaryTree { nodes: Vec::new(), order: Vec::new() };
+    }
+    let count = items.len();
+    items.resize(count + (count as f32 * ROOM) as usize, items[0]);
+    let mut nodes = vec![BinaryNode::UNUSED; 2 * items.len() - 1];
+    let bounds = Bounds::of(&items[..count]);
+    let builder = Builder { cost, triangle, whole: bounds.half_area() };
+    builder.build(
+        Task { items: &mut items, count, nodes: &mut nodes, first_item: 0, first_node: 0, depth: 0 },
+        bounds,
+        &mut Scratch::new(),
+    );
+    BinaryTree { nodes, order: items.iter().map(Item::number).collect() }
+}
+
+/// A subtree to build: `count` items and room behind them.
+struct Task<'a> {
+    items: &'a mut [Item],
+    count: usize,
+    nodes: &'a mut [BinaryNode],
+    first_item: usize,
+    first_node: usize,
+    depth: usize,
+}
+
+/// Lists that are kept from node to node.
+struct Scratch {
+    bins: Bins,
+    right: Vec<Item>,
+}
+
+impl Scratch {
+    fn new() -> Self {
+        Self { bins: Bins::new(), right: Vec::new() }
+    }
+}
+
+struct Builder<'a, T> {
+    cost: &'a Cost,
+    triangle: &'a T,
+    /// Half the surface of everything.
+    whole: f32,
+}
+
+/// What the items of a node are divided into: the first `left` of them, and `right` that stand in a list of their own or behind.
+struct Divided {
+    left: (usize, Bounds),
+    right: (usize, Bounds),
+    /// Whether the right items are in the scratch list.
+    apart: bool,
+}
+
+impl<T: Triangle> Builder<'_, T> {
+    fn build(&self, task: Task, bounds: Bounds, scratch: &mut Scratch) {
+        let Task { items, count, nodes, first_item, first_node, depth } = task;
+        let room = items.len() - count;
+        let (node, nodes) = nodes.split_first_mut().expect("a place for every node");
+        let Some(divided) = self.divide(items, count, &bounds, depth, scratch) else {
+            *node = BinaryNode::of_leaf(&bounds, first_item, count);
+            return;
+        };
+        let Divided { left: (left_count, left_bounds), right: (right_count, right_bounds), apart } = divided;
+        let spare = room + count - left_count - right_count;
+        let left_size = left_count + spare * left_count / (left_count + right_count);
+        match apart {
+            true => items[left_size..left_size + right_count].copy_from_slice(&scratch.right),
+            false => items.copy_within(left_count..left_count + right_count, left_size),
+        }
+        let (left_first, right_first) = (first_node + 1, first_node + 2 * left_size);
+        *node = BinaryNode::of_children(&bounds, left_first, right_first);
+        let (left, right) = items.split_at_mut(left_size);
+        let (left_nodes, right_nodes) = nodes.split_at_mut(2 * left_size - 1);
+        let left = Task { items: left, count: left_count, nodes: left_nodes, first_item, first_node: left_first, depth: depth + 1 };
+        let first_item = first_item + left_size;
+        let right = Task { items: right, count: right_count, nodes: right_nodes, first_item, first_node: right_first, depth: depth + 1 };
+        if count >= PARALLEL_ITEMS {
+            rayon::join(|| self.build(left, left_bounds, scratch), || self.build(right, right_bounds, &mut Scratch::new()));
+        } else {
+            self.build(left, left_bounds, scratch);
+            self.build(right, right_bounds, scratch);
+        }
+    }
+
+    /// Divides the items as is cheapest; `None` makes a leaf.
+    fn divide(&self, items: &mut [Item], count: usize, bounds: &Bounds, depth: usize, scratch: &mut Scratch) -> Option<Divided> {
+        let apart = |Split { middle, left, right }: Split| Divided { left: (middle, left), right: (count - middle, right), apart: false };
+        if count == 1 {
+            return None;
+        }
+        let must_split = count > self.cost.sah.max_leaf_size;
+        if depth >= BALANCE_DEPTH {
+            return must_split.then(|| apart(halve(&mut items[..count], bounds)));
+        }
+        let area = bounds.half_area();
+        let leaf_cost = match must_split {
+            true => f32::INFINITY,
+            false => area * (self.cost.blocks(count) - self.cost.sah.node_cost),
+        };
+        scratch.bins.fill(&items[..count], bounds, self.cost.sah.bins);
+        let plane = scratch.bins.best_plane(self.cost);
+        let object_cost = plane.as_ref().map_or(f32::INFINITY, |plane| plane.cost);
+        let overlap = plane.as_ref().map_or(f32::INFINITY, |plane| scratch.bins.overlap(plane));
+        if items.len() > count && overlap > LEAST_OVERLAP * self.whole {
+            let cut = CutBins::fill(&items[..count], bounds, self.triangle).best(self.cost);
+            if let Some(cut) = cut.filter(|cut| cut.cost < object_cost && cut.cost < leaf_cost)
+                && let Some(divided) = self.cut(items, count, cut, &mut scratch.right)
+            {
+                return Some(divided);
+            }
+        }
+        match plane {
+            Some(plane) if plane.cost < leaf_cost => Some(apart(scratch.bins.partition(&mut items[..count], &plane))),
+            _ => must_split.then(|| apart(halve(&mut items[..count], bounds))),
+        }
+    }
+
+    /// Divides at a cut. The left items are moved to the front, the right ones to `right`. `None` if one side would be empty; the items then still cover
+    /// what they did.
+    fn cut(&self, items: &mut [Item], count: usize, cut: Cut, right: &mut Vec<Item>) -> Option<Divided> {
+        right.clear();
+        let mut room = items.len() - count;
+        let mut sides = cut.sides;
+        let (mut left_bounds, mut right_bounds) = (Bounds::EMPTY, Bounds::EMPTY);
+        let mut end = 0;
+        for index in 0..count {
+            let item = items[index];
+            let (to_left, to_right) = if item.max()[cut.axis] <= cut.position {
+                (Some(item), None)
+            } else if item.min()[cut.axis] >= cut.position {
+                (None, Some(item))
+            } else {
+                self.place(&item, &cut, &mut sides, &mut room)
+            };
+            if let Some(item) = to_left {
+                left_bounds.add(&item);
+                items[end] = item;
+                end += 1;
+            }
+            if let Some(item) = to_right {
+                right_bounds.add(&item);
+                right.push(item);
+            }
+        }
+        (end > 0 && !right.is_empty()).then(|| Divided { left: (end, left_bounds), right: (right.len(), right_bounds), apart: true })
+    }
+
+    /// What of an item that reaches over the cut goes to each side: its parts, or the whole to one side where that is cheaper, \[Stich09] section 4.4,
+    /// or where there is no room for both.
+    fn place(&self, item: &Item, cut: &Cut, sides: &mut [CutSide; 2], room: &mut usize) -> (Option<Item>, Option<Item>) {
+        let triangle = (self.triangle)(item.number());
+        let parts = triangle.map(|triangle| parts(item, triangle, cut.axis, cut.position));
+        // The box may reach over the cut where the triangle does not.
+        if let Some((Some(part), None) | (None, Some(part))) = parts {
+            let side = usize::from(matches!(parts, Some((None, _))));
+            sides[1 - side].count = sides[1 - side].count.saturating_sub(1);
+            return if side == 0 { (Some(part), None) } else { (None, Some(part)) };
+        }
+        let [left, right] = *sides;
+        let whole = [left.with(item), right.with(item)];
+        let without = |side: CutSide| CutSide { count: side.count.saturating_sub(1), ..side };
+        let only_left = whole[0].cost(self.cost) + without(right).cost(self.cost);
+        let only_right = without(left).cost(self.cost) + whole[1].cost(self.cost);
+        let both = left.cost(self.cost) + right.cost(self.cost);
+        match parts {
+            Some(parts) if *room > 0 && both <= only_left.min(only_right) => {
+                *room -= 1;
+                parts
+            }
+            _ if only_left <= only_right => {
+                *sides = [whole[0], without(right)];
+                (Some(*item), None)
+            }
+            _ => {
+                *sides = [without(left), whole[1]];
+                (None, Some(*item))
+            }
+        }
+    }
+}
+
+/// The parts of an item below and above a plane, as far as its box contains them; exact, but for rounding outwards. `None` for no part.
+fn parts(item: &Item, corners: [Vec3; 3], axis: usize, position: f32) -> (Option<Item>, Option<Item>) {
+    let mut sides = [Aabb::EMPTY; 2];
+    for i in 0..3 {
+        let (a, b) = (corners[i], corners[(i + 1) % 3]);
+        if a[axis] <= position {
+            sides[0] = sides[0].union(Aabb { min: a, max: a });
+        }
+        if a[axis] >= position {
+            sides[1] = sides[1].union(Aabb { min: a, max: a });
+        }
+        if (a[axis] < position && b[axis] > position) || (a[axis] > position && b[axis] < position) {
+            let (from, to) = (a.as_dvec3(), b.as_dvec3());
+            let crossing = from.lerp(to, (f64::from(position) - from[axis]) / (to[axis] - from[axis]));
+            let crossing = around(crossing);
+            sides = sides.map(|side| side.union(crossing));
+        }
+    }
+    sides[0].max[axis] = sides[0].max[axis].min(position);
+    sides[1].min[axis] = sides[1].min[axis].max(position);
+    let [left, right] = sides.map(|side| {
+        let part = Aabb { min: side.min.max(item.min().xyz()), max: side.max.min(item.max().xyz()) };
+        (!part.is_empty()).then(|| Item::new(&part, item.number()))
+    });
+    (left, right)
+}
+
+/// A box of single-precision numbers around a point that was computed in double precision.
+fn around(point: DVec3) -> Aabb {
+    let near = point.as_vec3();
+    Aabb { min: near.map(f32::next_down), max: near.map(f32::next_up) }
+}
+
+/// One side of a cut.
+#[derive(Clone, Copy)]
+struct CutSide {
+    min: Vec4,
+    max: Vec4,
+    count: usize,
+}
+
+impl CutSide {
+    const EMPTY: Self = Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY, count: 0 };
+
+    fn with(self, item: &Item) -> Self {
+        Self { min: self.min.min(item.min()), max: self.max.max(item.max()), ..self }
+    }
+
+    fn union(self, other: &Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max), count: self.count + other.count }
+    }
+
+    /// Area times tests; 0 without items.
+    fn cost(&self, cost: &Cost) -> f32 {
+        if self.count == 0 { 0.0 } else { half_area(self.min, self.max) * cost.blocks(self.count) }
+    }
+}
+
+/// A plane that cuts what reaches over it.
+struct Cut {
+    axis: usize,
+    position: f32,
+    /// What lies below and above, all that reaches over being cut.
+    sides: [CutSide; 2],
+    /// Σ area · tests of both sides.
+    cost: f32,
+}
+
+/// Parts of items by the slab they lie in; `count` tells how many start there, `ends` how many end.
+struct CutBins {
+    bins: [[CutSide; BINS]; 3],
+    ends: [[usize; BINS]; 3],
+    origin: Vec3,
+    width: Vec3,
+}
+
+impl CutBins {
+    fn fill<T: Triangle>(items: &[Item], bounds: &Bounds, triangle: &T) -> Self {
+        let (origin, extent) = (bounds.min.xyz(), (bounds.max - bounds.min).xyz());
+        let mut bins = Self { bins: [[CutSide::EMPTY; BINS]; 3], ends: [[0; BINS]; 3], origin, width: extent / BINS as f32 };
+        for item in items {
+            for axis in 0..3 {
+                // Without extent there is nothing to cut.
+                if bins.width[axis] > f32::MIN_POSITIVE {
+                    bins.add(item, axis, triangle);
+                }
+            }
+        }
+        bins
+    }
+
+    fn add<T: Triangle>(&mut self, item: &Item, axis: usize, triangle: &T) {
+        let [first, last] = [item.min(), item.max()].map(|p| (((p[axis] - self.origin[axis]) / self.width[axis]) as usize).min(BINS - 1));
+        self.bins[axis][first].count += 1;
+        self.ends[axis][last] += 1;
+        let mut rest = Some(*item);
+        if first < last
+            && let Some(corners) = triangle(item.number())
+        {
+            for bin in first..last {
+                let Some(item) = rest else { return };
+                let (here, beyond) = parts(&item, corners, axis, self.plane(axis, bin + 1));
+                if let Some(here) = here {
+                    self.bins[axis][bin] = self.bins[axis][bin].with(&here);
+                }
+                rest = beyond;
+            }
+        }
+        if let Some(rest) = rest {
+            self.bins[axis][last] = self.bins[axis][last].with(&rest);
+        }
+    }
+
+    /// Where a bin begins.
+    fn plane(&self, axis: usize, bin: usize) -> f32 {
+        self.origin[axis] + self.width[axis] * bin as f32
+    }
+
+    /// The cheapest cut with something on both sides; the first of equals.
+    fn best(&self, cost: &Cost) -> Option<Cut> {
+        let mut best: Option<Cut> = None;
+        for axis in 0..3 {
+            let mut right = [CutSide::EMPTY; BINS + 1];
+            for bin in (1..BINS).rev() {
+                right[bin] = right[bin + 1].union(&CutSide { count: self.ends[axis][bin], ..self.bins[axis][bin] });
+            }
+            let mut left = CutSide::EMPTY;
+            for bin in 1..BINS {
+                left = left.union(&self.bins[axis][bin - 1]);
+                let total = left.cost(cost) + right[bin].cost(cost);
+                if left.count > 0 && right[bin].count > 0 && best.as_ref().is_none_or(|best| total < best.cost) {
+                    best = Some(Cut { axis, position: self.plane(axis, bin), sides: [left, right[bin]], cost: total });
+                }
+            }
+        }
+        best
+    }
+}

@@ -68,7 +68,8 @@ impl AreaLight {
         Aabb { min: center - half, max: center + half }
     }
 
-    /// A direction towards the light: uniform in solid angle for rectangles and spheres, in area for disks.
+    /// A direction towards the light: uniform in solid angle for spheres and near rectangles, nearly so for distant ones, uniform in area for
+    /// disks.
     pub(crate) fn sample(&self, from: Vec3, u: Vec2) -> Option<LightSample> {
         let (wi, distance, pdf) = match self.shape {
             Shape::Sphere { center, radius } => {
@@ -86,10 +87,9 @@ impl AreaLight {
                     return None;
                 }
                 if let Some(rectangle) = right_angled {
-                    let seen = rectangle.seen_from(from);
-                    let to_light = seen.sample(u) - from;
+                    let (to_light, pdf) = rectangle.seen_from(from).sample(u);
                     let distance = to_light.length();
-                    (to_light / distance, distance, seen.pdf(to_light))
+                    (to_light / distance, distance, pdf)
                 } else {
                     towards_area(from, corner + u.x * x + u.y * y, normal, area)
                 }
@@ -109,7 +109,7 @@ impl AreaLight {
     pub(crate) fn pdf(&self, from: Vec3, direction: Vec3, distance: f32) -> f32 {
         match self.shape {
             Shape::Sphere { center, radius } => 1.0 / LightSphere::new(from, center, radius).solid_angle(),
-            Shape::Rectangle { right_angled: Some(rectangle), .. } => rectangle.seen_from(from).pdf(direction),
+            Shape::Rectangle { right_angled: Some(rectangle), .. } => rectangle.seen_from(from).pdf(distance * direction),
             Shape::Rectangle { normal, area, .. } | Shape::Disk { normal, area, .. } => {
                 pdf_from_area(distance, -normal.dot(direction), area)
             }

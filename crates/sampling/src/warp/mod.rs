@@ -6,22 +6,26 @@
 
 mod cone;
 mod disk;
+mod distant_rectangle;
 mod filter;
 mod hemisphere;
 mod light_sphere;
+mod rectangle;
 mod spherical_rectangle;
 mod spherical_triangle;
 mod triangle;
 
 pub use cone::Cone;
 pub use disk::{concentric_disk, concentric_disk_inverse, concentric_disk_pdf_area};
+pub use distant_rectangle::DistantRectangle;
 pub use filter::{normal_2d, normal_2d_inverse, normal_2d_pdf, tent, tent_inverse, tent_pdf};
 pub use hemisphere::{
     cosine_hemisphere, cosine_hemisphere_inverse, cosine_hemisphere_pdf, uniform_hemisphere, uniform_hemisphere_inverse,
     uniform_hemisphere_pdf, uniform_sphere, uniform_sphere_inverse, uniform_sphere_pdf,
 };
 pub use light_sphere::LightSphere;
-pub use spherical_rectangle::{Rectangle, SphericalRectangle, rectangle_solid_angle};
+pub use rectangle::{Rectangle, SeenRectangle};
+pub use spherical_rectangle::{SphericalRectangle, rectangle_solid_angle};
 pub use spherical_triangle::{SphericalTriangle, triangle_solid_angle};
 pub use triangle::{triangle_barycentrics, triangle_barycentrics_inverse, triangle_pdf_area};
 

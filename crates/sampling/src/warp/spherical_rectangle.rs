@@ -1,7 +1,7 @@
 //! A rectangle seen from a point, sampled uniformly in solid angle.
 
 use super::to_unit;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::TAU;
 
 /// Below this solid angle, sr, the sum of four angles loses its digits and the area is sampled instead.
@@ -9,8 +9,9 @@ const SMALL: f64 = 1e-7;
 
 /// Points of a planar rectangle, uniform in the solid angle that it subtends at a point.    \[Urena13]
 ///
-/// Works in double precision: the solid angle is a difference of angles. For tiny solid angles the area is sampled and the
-/// density converted, which is the same to first order and always consistent with [`SphericalRectangle::pdf`].
+/// Works in double precision: the solid angle is a difference of angles. Angles are kept as unit complex numbers and added by multiplying
+/// them, so that two inverse functions of one angle are left in the place of those of four. For tiny solid angles the area is sampled and
+/// the density converted, which is the same to first order and always consistent with [`SphericalRectangle::pdf`].
 #[derive(Clone, Copy, Debug)]
 pub struct SphericalRectangle {
     origin: DVec3,
@@ -19,49 +20,33 @@ pub struct SphericalRectangle {
     y: [f64; 2],
     z: f64,
     b: [f64; 2],
-    k: f64,
+    /// Cosine and sine of \[Urena13] k.
+    k: DVec2,
     solid_angle: f64,
-}
-
-/// A planar rectangle, ready to be seen from any point.
-#[derive(Clone, Copy, Debug)]
-pub struct Rectangle {
-    corner: DVec3,
-    axes: [DVec3; 3],
-    lengths: [f64; 2],
-}
-
-impl Rectangle {
-    /// The rectangle `corner` + s `edge_x` + t `edge_y`, s, t in [0, 1], edges perpendicular.
-    pub fn new(corner: Vec3, edge_x: Vec3, edge_y: Vec3) -> Self {
-        let (edge_x, edge_y) = (edge_x.as_dvec3(), edge_y.as_dvec3());
-        let (ax, ay) = (edge_x.normalize_or_zero(), edge_y.normalize_or_zero());
-        Self { corner: corner.as_dvec3(), axes: [ax, ay, ax.cross(ay)], lengths: [edge_x.length(), edge_y.length()] }
-    }
-
-    /// The rectangle as it is seen from `point`.
-    #[inline]
-    pub fn seen_from(&self, point: Vec3) -> SphericalRectangle {
-        let origin = point.as_dvec3();
-        let d = self.corner - origin;
-        let [ax, ay, mut az] = self.axes;
-        let (x, y, mut z) = (d.dot(ax), d.dot(ay), d.dot(az));
-        if z > 0.0 {
-            (az, z) = (-az, -z);
-        }
-        let (x, y) = ([x, x + self.lengths[0]], [y, y + self.lengths[1]]);
-        // Strictly below the point; zero would put the point in the plane, where nothing is subtended.
-        let z = z.min(-1e-12);
-        let cy = heights(y, z * z);
-        let (solid_angle, k) = solid_angle_and_k(heights(x, z * z), cy);
-        SphericalRectangle { origin, axes: [ax, ay, az], x, y, z, b: [-cy[0], cy[1]], k, solid_angle }
-    }
 }
 
 impl SphericalRectangle {
     /// The rectangle `corner` + s `edge_x` + t `edge_y`, s, t in [0, 1], edges perpendicular, seen from `point`.
     pub fn new(point: Vec3, corner: Vec3, edge_x: Vec3, edge_y: Vec3) -> Self {
-        Rectangle::new(corner, edge_x, edge_y).seen_from(point)
+        let (edge_x, edge_y) = (edge_x.as_dvec3(), edge_y.as_dvec3());
+        let (ax, ay) = (edge_x.normalize_or_zero(), edge_y.normalize_or_zero());
+        Self::from_axes(point.as_dvec3(), corner.as_dvec3(), [ax, ay, ax.cross(ay)], [edge_x.length(), edge_y.length()])
+    }
+
+    /// The same with unit axes and the lengths of the edges along the first two.
+    #[inline]
+    pub(super) fn from_axes(origin: DVec3, corner: DVec3, [ax, ay, mut az]: [DVec3; 3], lengths: [f64; 2]) -> Self {
+        let d = corner - origin;
+        let (x, y, mut z) = (d.dot(ax), d.dot(ay), d.dot(az));
+        if z > 0.0 {
+            (az, z) = (-az, -z);
+        }
+        let (x, y) = ([x, x + lengths[0]], [y, y + lengths[1]]);
+        // Strictly below the point; zero would put the point in the plane, where nothing is subtended.
+        let z = z.min(-1e-12);
+        let cy = heights(y, z * z);
+        let (solid_angle, k) = solid_angle_and_k(heights(x, z * z), cy);
+        Self { origin, axes: [ax, ay, az], x, y, z, b: [-cy[0], cy[1]], k, solid_angle }
     }
 
     /// Solid angle, sr.
@@ -72,19 +57,32 @@ impl SphericalRectangle {
     /// A point of the rectangle, world space.
     #[inline]
     pub fn sample(&self, u: Vec2) -> Vec3 {
+        (self.origin + self.point(u)).as_vec3()
+    }
+
+    /// A point of the rectangle, relative to the point that sees it.
+    #[inline]
+    pub(super) fn sample_relative(&self, u: Vec2) -> Vec3 {
+        self.point(u).as_vec3()
+    }
+
+    #[inline]
+    fn point(&self, u: Vec2) -> DVec3 {
         let (u, v) = (f64::from(u.x), f64::from(u.y));
         if self.solid_angle < SMALL {
-            return self.in_world(self.x[0] + u * (self.x[1] - self.x[0]), self.y[0] + v * (self.y[1] - self.y[0]));
+            return self.at(self.x[0] + u * (self.x[1] - self.x[0]), self.y[0] + v * (self.y[1] - self.y[0]));
         }
-        let angle = u * self.solid_angle + self.k;
-        let f = (angle.cos() * self.b[0] - self.b[1]) / angle.sin();
-        let cu = (1.0 / (f * f + self.b[0] * self.b[0]).sqrt()).copysign(f).clamp(-1.0, 1.0);
-        let xu = (-(cu * self.z) / (1.0 - cu * cu).max(f64::MIN_POSITIVE).sqrt()).clamp(self.x[0], self.x[1]);
+        // \[Urena13] eq. 6 to 8 with φ = u Ω + k, solved for x: x = |z| sin φ / √((b₀ cos φ − b₁)² − (1 − b₀²) sin² φ).
+        let (sin, cos) = (u * self.solid_angle).sin_cos();
+        let turned = DVec2::new(cos, sin).rotate(self.k);
+        let side = turned.x * self.b[0] - self.b[1];
+        let square = side * side - (1.0 - self.b[0] * self.b[0]) * turned.y * turned.y;
+        let xu = (-self.z * turned.y / square.max(f64::MIN_POSITIVE).sqrt().copysign(side)).clamp(self.x[0], self.x[1]);
         let d2 = xu * xu + self.z * self.z;
         let [h0, h1] = heights(self.y, d2);
         let h = h0 + v * (h1 - h0);
         let yv = if h * h < 1.0 - 1e-12 { h * (d2 / (1.0 - h * h)).sqrt() } else { self.y[1] };
-        self.in_world(xu, yv.clamp(self.y[0], self.y[1]))
+        self.at(xu, yv.clamp(self.y[0], self.y[1]))
     }
 
     /// Density per solid angle of a direction (any length) that meets the rectangle: 1/Ω.
@@ -119,8 +117,8 @@ impl SphericalRectangle {
     }
 
     #[inline]
-    fn in_world(&self, x: f64, y: f64) -> Vec3 {
-        (self.origin + x * self.axes[0] + y * self.axes[1] + self.z * self.axes[2]).as_vec3()
+    fn at(&self, x: f64, y: f64) -> DVec3 {
+        x * self.axes[0] + y * self.axes[1] + self.z * self.axes[2]
     }
 }
 
@@ -131,13 +129,22 @@ fn heights(edges: [f64; 2], d2: f64) -> [f64; 2] {
     [sine(edges[0]), sine(edges[1])]
 }
 
-/// Solid angle of a rectangle, and the sum k of \[Urena13] eq. 4, from the sines of the elevation of its edges along x and y.
+/// Solid angle of a rectangle, and cosine and sine of the sum k of \[Urena13] eq. 4, from the sines of the elevation of its edges along x
+/// and y.
 #[inline]
-fn solid_angle_and_k(cx: [f64; 2], cy: [f64; 2]) -> (f64, f64) {
-    // Inner angles between the planes through the point and the edges.
-    let g = [cy[0] * cx[1], -cx[1] * cy[1], cx[0] * cy[1], -cx[0] * cy[0]].map(|c: f64| c.clamp(-1.0, 1.0).acos());
-    let k = TAU - g[2] - g[3];
-    ((g[0] + g[1] - k).max(0.0), k)
+fn solid_angle_and_k(cx: [f64; 2], cy: [f64; 2]) -> (f64, DVec2) {
+    // Inner angles between the planes through the point and the edges: cosine and sine.
+    let inner = |c: f64| DVec2::new(c, (1.0 - c * c).max(0.0).sqrt());
+    let [a, b, c, d] = [cy[0] * cx[1], -cx[1] * cy[1], cx[0] * cy[1], -cx[0] * cy[0]].map(inner);
+    let rest = c.rotate(d);
+    let sum = a.rotate(b).rotate(rest);
+    let mut angle = sum.y.atan2(sum.x);
+    if angle < 0.0 {
+        // More than half the sphere's half; or, between edges that lie close together, nothing but rounding.
+        let wide = (cx[1] - cx[0]).min(cy[1] - cy[0]) > 0.5;
+        angle = if wide { angle + TAU } else { 0.0 };
+    }
+    (angle, DVec2::new(rest.x, -rest.y))
 }
 
 /// Solid angle of the rectangle `corner`, `edge_x`, `edge_y` at `point`, sr.    \[Urena13] eq. 3

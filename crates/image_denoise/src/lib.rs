@@ -1,0 +1,159 @@
+//! A denoiser for previews: takes the noise out of a path-traced picture of few samples, and some truth with it.
+//!
+//! Each pixel becomes the value of a weighted least-squares plane through its neighbourhood. The weights say which neighbours are alike once their noise
+//! is allowed for (non-local means \[Buades05], with the distance of \[Rousselle12]); the plane runs over features that a path tracer knows almost without
+//! noise (base colour, shading normal, depth), so that textures and edges of objects survive \[Bitterli16]. Shadows and reflections have no feature: they
+//! survive as far as they stand out of the noise.
+//!
+//! The answer is biased and its error unknown: it is for looking at, never for judging others.
+//!
+//! # Deviations
+//! Of \[Bitterli16] this keeps one pass, one bandwidth and one picture: filtering two halves of the samples by each other's weights, which undoes the
+//! correlation of weights and noise, took three times as long and had more error (docs/performance.md, Denoising).
+
+mod error;
+mod patches;
+mod planes;
+mod regression;
+mod tile;
+
+pub use error::DenoiseError;
+
+use glam::{UVec2, Vec3};
+use kajo_image::Image;
+use kajo_units::LinearRgb;
+use planes::Planes;
+use rayon::prelude::*;
+use regression::FEATURES;
+use tile::Tile;
+
+/// A noisy picture and what is known of its pixels. All images have one size.
+#[derive(Clone, Copy, Debug)]
+pub struct Input<'a> {
+    /// The mean of each pixel's samples, W/(m² sr).
+    pub color: &'a Image<LinearRgb>,
+    /// Variance of that mean. Where it is infinite, as that of one sample is, the scatter of the neighbours stands for it.
+    pub variance: &'a Image<LinearRgb>,
+    /// Base colour of the first hit, [0, 1].
+    pub albedo: &'a Image<LinearRgb>,
+    /// Shading normal of the first hit, world space.
+    pub normal: &'a Image<Vec3>,
+    /// Distance of the first hit, m; 0 without a hit.
+    pub depth: &'a Image<f32>,
+}
+
+/// What each plane holds.
+mod plane {
+    pub(crate) const COLOR: usize = 0;
+    pub(crate) const VARIANCE: usize = 3;
+    pub(crate) const FEATURE: usize = 4;
+}
+
+/// The picture without its noise. Equal bit for bit on every processor and at any number of threads (those of the current rayon pool).
+///
+/// # Errors
+/// [`DenoiseError`]: images of different sizes, and numbers that are not finite.
+pub fn denoise(input: &Input) -> Result<Image<LinearRgb>, DenoiseError> {
+    check(input)?;
+    let planes = planes(input);
+    let size = input.color.size();
+    let tiles: Vec<Tile> = Tile::cover(size).collect();
+    let filtered: Vec<_> = tiles.par_iter().map(|&tile| tile::filter(&planes, tile)).collect();
+    let mut image = input.color.clone();
+    for (tile, pixels) in tiles.iter().zip(&filtered) {
+        for (row, y) in pixels.chunks_exact(Tile::WIDTH).zip(tile.y as u32..size.y) {
+            let begin = y as usize * size.x as usize + tile.x as usize;
+            let length = row.len().min(size.x as usize - tile.x as usize);
+            image.pixels_mut()[begin..begin + length].copy_from_slice(&row[..length]);
+        }
+    }
+    Ok(image)
+}
+
+fn check(input: &Input) -> Result<(), DenoiseError> {
+    let expected = input.color.size();
+    if expected.min_element() == 0 {
+        return Err(DenoiseError::Empty);
+    }
+    for (what, got) in [
+        ("variance", input.variance.size()),
+        ("albedo", input.albedo.size()),
+        ("normal", input.normal.size()),
+        ("depth", input.depth.size()),
+    ] {
+        if got != expected {
+            return Err(DenoiseError::Size { what, got, expected });
+        }
+    }
+    for (what, finite) in [
+        ("color", input.color.pixels().iter().all(|c| c.is_finite())),
+        ("variance", input.variance.pixels().iter().all(|v| !v.0.is_nan() && v.0.min_element() >= 0.0)),
+        ("albedo", input.albedo.pixels().iter().all(|c| c.is_finite())),
+        ("normal", input.normal.pixels().iter().all(|n| n.is_finite())),
+        ("depth", input.depth.pixels().iter().all(|d| d.is_finite())),
+    ] {
+        if !finite {
+            return Err(DenoiseError::NotFinite { what });
+        }
+    }
+    Ok(())
+}
+
+fn planes(input: &Input) -> Planes {
+    let mut planes = Planes::new(input.color.size(), tile::RADIUS as usize + patches::PATCH, Tile::SIZE);
+    planes.push_rgb(|x, y| input.color.get(x, y).0);
+    let variance = known_variance(input);
+    planes.push(|x, y| smooth(&variance, x, y));
+    planes.push_rgb(|x, y| input.albedo.get(x, y).0);
+    planes.push_rgb(|x, y| *input.normal.get(x, y));
+    let scale = depth_scale(input.depth);
+    planes.push(|x, y| input.depth.get(x, y) * scale);
+    debug_assert_eq!(planes.count(), plane::FEATURE + FEATURES);
+    planes
+}
+
+/// Depth relative to its mean, so that it has the size of the other features.
+fn depth_scale(depth: &Image<f32>) -> f32 {
+    let hits = depth.pixels().iter().filter(|&&d| d > 0.0);
+    let (sum, count) = hits.fold((0.0f64, 0.0f64), |(sum, count), &d| (sum + f64::from(d), count + 1.0));
+    if sum > 0.0 { (count / sum) as f32 } else { 1.0 }
+}
+
+/// Variance of each pixel, summed over the channels.
+fn known_variance(input: &Input) -> Image<f32> {
+    Image::from_fn(input.color.size(), |x, y| {
+        let variance = input.variance.get(x, y).0.element_sum();
+        if variance.is_finite() { variance } else { scatter(input.color, x, y) }
+    })
+}
+
+/// Pixels within `radius`, as far as the picture goes.
+fn around(size: UVec2, x: u32, y: u32, radius: u32) -> impl Iterator<Item = (u32, u32)> {
+    let (right, bottom) = ((x + radius).min(size.x - 1), (y + radius).min(size.y - 1));
+    (y.saturating_sub(radius)..=bottom).flat_map(move |y| (x.saturating_sub(radius)..=right).map(move |x| (x, y)))
+}
+
+/// Variance among the 25 pixels around, summed over the channels.
+fn scatter(color: &Image<LinearRgb>, x: u32, y: u32) -> f32 {
+    let (mut count, mut sum, mut squares) = (0.0, glam::DVec3::ZERO, glam::DVec3::ZERO);
+    for (x, y) in around(color.size(), x, y, 2) {
+        let value = color.get(x, y).0.as_dvec3();
+        count += 1.0;
+        sum += value;
+        squares += value * value;
+    }
+    ((squares - sum * sum / count).element_sum() / f64::max(count - 1.0, 1.0)).max(0.0) as f32
+}
+
+/// Half the pixel's own variance, half the mean around it: a handful of samples knows its variance badly.
+fn smooth(variance: &Image<f32>, x: u32, y: u32) -> f32 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (x, y) in around(variance.size(), x, y, 1) {
+        sum += variance.get(x, y);
+        count += 1.0;
+    }
+    0.5 * variance.get(x, y) + 0.5 * sum / count
+}
+
+#[cfg(test)]
+mod tests;

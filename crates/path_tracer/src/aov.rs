@@ -73,6 +73,8 @@ pub enum Aov {
     InstanceId,
     /// Index of the material that the pixel's first sample hits; −1 without a hit.
     MaterialId,
+    /// Samples of the pixel: where [`Settings::adaptive`](crate::Settings::adaptive) has put them.
+    Samples,
     /// Motion of the first hit since the previous snapshot, px: (x right, y down) now minus then.
     Motion,
 }
@@ -88,10 +90,12 @@ pub(crate) enum Combine {
     Covered,
     /// The value of the first sample.
     First,
+    /// The number of samples.
+    Count,
 }
 
 impl Aov {
-    pub(crate) const PLAIN: [Self; 19] = [
+    pub(crate) const PLAIN: [Self; 20] = [
         Self::Emission,
         Self::Direct,
         Self::DirectDiffuse,
@@ -110,13 +114,15 @@ impl Aov {
         Self::Coverage,
         Self::InstanceId,
         Self::MaterialId,
+        Self::Samples,
         Self::Motion,
     ];
 
     /// Channels of the image: 1, 2 or 3.
     pub fn channels(&self) -> usize {
         match self {
-            Self::Visibility(_) | Self::AmbientVisibility | Self::Depth | Self::Coverage | Self::InstanceId | Self::MaterialId => 1,
+            Self::Visibility(_) | Self::AmbientVisibility | Self::Depth | Self::Coverage => 1,
+            Self::InstanceId | Self::MaterialId | Self::Samples => 1,
             Self::Motion => 2,
             _ => 3,
         }
@@ -137,6 +143,7 @@ impl Aov {
         match self {
             Self::Albedo | Self::Normal | Self::ShadingNormal | Self::Depth | Self::Position | Self::Motion => Combine::Covered,
             Self::InstanceId | Self::MaterialId => Combine::First,
+            Self::Samples => Combine::Count,
             aov if aov.is_role() || *aov == Self::Direct => Combine::TrackedMean,
             _ => Combine::Mean,
         }
@@ -167,6 +174,7 @@ impl fmt::Display for Aov {
             Self::Coverage => "coverage",
             Self::InstanceId => "instance-id",
             Self::MaterialId => "material-id",
+            Self::Samples => "samples",
             Self::Motion => "motion",
         })
     }

@@ -63,6 +63,11 @@ pub enum PathTracerError {
         /// The values it may have.
         range: &'static str,
     },
+    /// Neighbours that share random numbers cannot decide for each other.
+    #[error(
+        "adaptive sampling needs pixels whose random numbers are independent, those of blue noise are not; choose sobol or independent"
+    )]
+    AdaptiveBlueNoise,
     /// Rendering that would never end.
     #[error("no stop condition: give a number of samples, a time or a noise level")]
     EndlessStop,

@@ -3,6 +3,7 @@
 //! A pixel adds its own samples, in their order, in double precision; nothing is shared between pixels. So the result does not
 //! depend on the number of threads, on the size of passes, or on where a rendering was interrupted and resumed.
 
+use crate::adaptive::{Pilot, Plan, count};
 use crate::blocks::BlockSums;
 use crate::{Aov, PathTracerError, aov::Combine};
 use glam::UVec2;
@@ -61,8 +62,9 @@ impl FilmLayout {
     ///
     /// # Errors
     /// [`PathTracerError::Memory`].
-    pub(crate) fn check_memory(&self, size: UVec2) -> Result<(), PathTracerError> {
-        let bytes = self.bytes(size);
+    pub(crate) fn check_memory(&self, size: UVec2, adaptive: bool) -> Result<(), PathTracerError> {
+        let plan = if adaptive { size_of::<(u32, f32, Pilot)>() as u64 } else { 0 };
+        let bytes = self.bytes(size).saturating_add((u64::from(size.x) * u64::from(size.y)).saturating_mul(plan));
         let fits = usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
         if fits { Ok(()) } else { Err(PathTracerError::Memory { width: size.x, height: size.y, bytes }) }
     }
@@ -89,8 +91,10 @@ pub struct Film {
     pub(crate) layout: FilmLayout,
     /// Hash of scene and settings: films of different pictures must not be mixed.
     pub(crate) fingerprint: Fingerprint,
-    /// Samples of each pixel of a row. Rows differ only after an interruption.
-    pub(crate) row_spp: Vec<u32>,
+    /// Level of each row: the samples of each of its pixels, or what [`Plan::count`] makes of it. Rows differ only after an interruption.
+    pub(crate) levels: Vec<u32>,
+    /// Where samples go, if not everywhere alike.
+    pub(crate) plan: Option<Plan>,
     /// Sums of samples, `height × width × channels`.
     pub(crate) sums: Vec<f64>,
     /// Block sums, `height × width × tracked`.
@@ -111,11 +115,12 @@ pub(crate) struct Fingerprint {
 }
 
 impl Film {
-    pub(crate) fn new(size: UVec2, layout: FilmLayout, fingerprint: Fingerprint) -> Self {
+    pub(crate) fn new(size: UVec2, layout: FilmLayout, fingerprint: Fingerprint, adaptive: bool) -> Self {
         let pixels = size.x as usize * size.y as usize;
         Self {
             size,
-            row_spp: vec![0; size.y as usize],
+            levels: vec![0; size.y as usize],
+            plan: adaptive.then(|| Plan::even(pixels)),
             sums: vec![0.0; pixels * layout.channels],
             blocks: vec![BlockSums::default(); pixels * layout.tracked],
             layout,
@@ -131,14 +136,32 @@ impl Film {
         self.size
     }
 
-    /// Samples that every pixel has at least.
+    /// Samples that every pixel has at least; with adaptive sampling their mean.
     pub fn spp(&self) -> u32 {
-        self.row_spp.iter().copied().min().unwrap_or(0)
+        self.levels.iter().copied().min().unwrap_or(0)
     }
 
     /// Samples of all pixels together.
     pub fn samples(&self) -> u64 {
-        self.row_spp.iter().map(|&n| u64::from(n)).sum::<u64>() * u64::from(self.size.x)
+        match &self.plan {
+            None => self.levels.iter().map(|&n| u64::from(n)).sum::<u64>() * u64::from(self.size.x),
+            Some(_) => (0..self.size.x as usize * self.size.y as usize).map(|pixel| u64::from(self.count(pixel))).sum(),
+        }
+    }
+
+    /// Samples of a pixel.
+    pub(crate) fn count(&self, pixel: usize) -> u32 {
+        let level = self.levels[pixel / self.size.x as usize];
+        self.plan.as_ref().map_or(level, |plan| plan.count(pixel, level))
+    }
+
+    /// Decides anew where samples go, if it is time to.
+    pub(crate) fn revise(&mut self) {
+        if let Some(plan) = &mut self.plan
+            && self.levels.iter().all(|&level| level == plan.revision())
+        {
+            plan.revise(self.size);
+        }
     }
 
     /// Rays traced so far.
@@ -157,8 +180,20 @@ impl Film {
         let sums = self.sums.chunks_exact_mut(width * self.layout.channels);
         let blocks = self.blocks.chunks_exact_mut(width * self.layout.tracked);
         let layout = &self.layout;
-        let spp = self.row_spp.iter_mut();
-        sums.zip(blocks).zip(spp).enumerate().map(|(y, ((sums, blocks), spp))| Row { y: y as u32, layout, sums, blocks, spp }).collect()
+        let levels = self.levels.iter_mut();
+        let mut rows: Vec<_> = sums
+            .zip(blocks)
+            .zip(levels)
+            .enumerate()
+            .map(|(y, ((sums, blocks), level))| Row { y: y as u32, layout, sums, blocks, level, plan: None })
+            .collect();
+        if let Some(Plan { level, milestone, base, density, pilots }) = &mut self.plan {
+            let parts = base.chunks_exact(width).zip(density.chunks_exact(width)).zip(pilots.chunks_exact_mut(width));
+            for (row, ((base, density), pilots)) in rows.iter_mut().zip(parts) {
+                row.plan = Some(RowPlan { first: row.y as usize * width, level: *level, milestone: *milestone, base, density, pilots });
+            }
+        }
+        rows
     }
 }
 
@@ -168,11 +203,29 @@ pub(crate) struct Row<'a> {
     layout: &'a FilmLayout,
     sums: &'a mut [f64],
     blocks: &'a mut [BlockSums],
-    /// Samples that every pixel of the row has.
-    pub spp: &'a mut u32,
+    /// See [`Film::levels`].
+    pub level: &'a mut u32,
+    plan: Option<RowPlan<'a>>,
+}
+
+/// One row of a [`Plan`].
+struct RowPlan<'a> {
+    /// Number of the first pixel.
+    first: usize,
+    level: u32,
+    milestone: u32,
+    base: &'a [u32],
+    density: &'a [f32],
+    pilots: &'a mut [Pilot],
 }
 
 impl Row<'_> {
+    /// Samples of pixel `x` at `level`.
+    pub(crate) fn count(&self, x: u32, level: u32) -> u32 {
+        let x = x as usize;
+        self.plan.as_ref().map_or(level, |plan| count(plan.first + x, plan.base[x], plan.density[x], level.saturating_sub(plan.level)))
+    }
+
     /// Adds sample number `sample` to pixel `x`; `record` has one value a channel. False when a value was not finite: the sample
     /// then counts as black, because one NaN would otherwise take the pixel.
     pub(crate) fn add(&mut self, x: u32, sample: u32, record: &[f32]) -> bool {
@@ -198,6 +251,11 @@ impl Row<'_> {
         {
             sums[coverage] += f64::from(record[coverage]);
         }
+        if let Some(plan) = &mut self.plan
+            && sample + 1 == plan.milestone
+        {
+            plan.pilots[x] = Pilot::new(sums, blocks, plan.milestone);
+        }
         valid
     }
 }
@@ -217,8 +275,8 @@ mod tests {
     #[test]
     fn images_that_memory_cannot_hold_are_refused_before_the_first_sample() {
         let layout = FilmLayout::new(&[]);
-        assert!(layout.check_memory(UVec2::new(1280, 720)).is_ok());
-        let error = layout.check_memory(UVec2::MAX).unwrap_err().to_string();
+        assert!(layout.check_memory(UVec2::new(1280, 720), true).is_ok());
+        let error = layout.check_memory(UVec2::MAX, true).unwrap_err().to_string();
         assert!(error.starts_with("image of 4294967295x4294967295 px: ") && error.contains("choose a smaller size"), "{error}");
         // Sums of 3 f64 and blocks; 3 f32 of colour and 3 of variance.
         assert_eq!(layout.bytes(UVec2::ONE), (24 + 3 * size_of::<BlockSums>() + 24) as u64);
@@ -226,7 +284,7 @@ mod tests {
 
     #[test]
     fn an_invalid_sample_is_black_and_reported() {
-        let mut film = Film::new(UVec2::ONE, FilmLayout::new(&[]), Fingerprint::default());
+        let mut film = Film::new(UVec2::ONE, FilmLayout::new(&[]), Fingerprint::default(), false);
         let mut rows = film.rows();
         assert!(rows[0].add(0, 0, &[1.0, 2.0, 3.0]));
         assert!(!rows[0].add(0, 1, &[1.0, f32::NAN, 3.0]));

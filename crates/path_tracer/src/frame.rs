@@ -17,7 +17,7 @@ use kajo_units::LinearRgb;
 pub struct Frame {
     /// Width and height, px.
     pub size: UVec2,
-    /// Samples that every pixel has at least.
+    /// Samples that every pixel has at least; with adaptive sampling their mean, see [`Settings::adaptive`](crate::Settings::adaptive).
     pub spp: u32,
     /// Samples of all pixels together.
     pub samples: u64,
@@ -35,7 +35,8 @@ pub struct Frame {
     /// Mean luminance of `beauty`, and the half width of its 95 % confidence interval, W/(m² sr). Pixels are taken as independent,
     /// which blue-noise sampling breaks: then it is an over-estimate.
     pub mean_luminance: (f32, f32),
-    /// Factor from a pixel's standard error to the half width of its 95 % confidence interval: Student's t for the number of blocks.
+    /// Factor from a pixel's standard error to the half width of its 95 % confidence interval: Student's t for the number of blocks, of the pixel
+    /// that has the fewest.
     pub confidence_factor: f32,
 }
 
@@ -125,7 +126,7 @@ impl Film {
                 pixels: self.pixels(spec, |pixel, channel| self.value(spec, pixel, channel)),
                 variance: spec.tracked.map(|tracked| {
                     self.pixels(spec, |pixel, channel| {
-                        self.blocks[pixel * self.layout.tracked + tracked + channel].variance_of_mean(self.spp_of(pixel))
+                        self.blocks[pixel * self.layout.tracked + tracked + channel].variance_of_mean(self.count(pixel))
                     })
                 }),
             })
@@ -140,22 +141,26 @@ impl Film {
             images,
             relative_standard_error: 0.0,
             mean_luminance: (0.0, 0.0),
-            confidence_factor: BlockSums::confidence_factor(self.spp()),
+            confidence_factor: self.confidence_factor(),
         };
         (frame.relative_standard_error, frame.mean_luminance) = self.uncertainty();
         frame
     }
 
-    fn spp_of(&self, pixel: usize) -> u32 {
-        self.row_spp[pixel / self.size.x as usize]
+    fn confidence_factor(&self) -> f32 {
+        let pixels = self.size.x as usize * self.size.y as usize;
+        let distinct = if self.plan.is_none() { 1 } else { pixels };
+        let largest = (0..distinct).map(|pixel| BlockSums::confidence_factor(self.count(pixel))).fold(0.0, f32::max);
+        largest.max(BlockSums::confidence_factor(self.spp()))
     }
 
     fn value(&self, spec: &ImageSpec, pixel: usize, channel: usize) -> f32 {
         let sums = &self.sums[pixel * self.layout.channels..][..self.layout.channels];
         let count = match spec.combine {
-            Combine::Mean | Combine::TrackedMean => f64::from(self.spp_of(pixel)),
+            Combine::Mean | Combine::TrackedMean => f64::from(self.count(pixel)),
             Combine::Covered => self.layout.coverage.map_or(0.0, |coverage| sums[coverage]),
             Combine::First => 1.0,
+            Combine::Count => return self.count(pixel) as f32,
         };
         if count > 0.0 { (sums[spec.offset + channel] / count) as f32 } else { 0.0 }
     }
@@ -181,7 +186,7 @@ impl Film {
         let pixels = self.size.x as usize * self.size.y as usize;
         let (mut mean, mut variance) = (0.0f64, 0.0f64);
         for pixel in 0..pixels {
-            let n = self.spp_of(pixel);
+            let n = self.count(pixel);
             if n == 0 {
                 return (f32::INFINITY, (0.0, f32::INFINITY));
             }

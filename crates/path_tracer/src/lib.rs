@@ -12,6 +12,7 @@
 //! Participating media, subsurface scattering, wavelengths (dispersion bends the three channels); shadow rays do not refract (caustics are found by BSDF sampling
 //! alone); analytic lights neither block nor scatter light; nothing is clamped.
 
+mod adaptive;
 mod aov;
 mod blocks;
 mod camera;

@@ -69,7 +69,7 @@ impl Slots {
                 _ => is_light = false,
             }
             slots.splits_light |= is_light;
-            slots.first_hit |= !is_light;
+            slots.first_hit |= !is_light && *aov != Aov::Samples;
             match aov {
                 Aov::Visibility(name) => slots.visibility.push((image.offset, lights.index_of(name, true)? as u32)),
                 Aov::AmbientVisibility => slots.ambient_visibility = at,

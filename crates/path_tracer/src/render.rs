@@ -80,8 +80,8 @@ pub fn render(
     let fingerprint = fingerprint(tracer.hash(), settings);
     let mut film = match resume {
         None => {
-            layout.check_memory(settings.size)?;
-            Film::new(settings.size, layout, fingerprint)
+            layout.check_memory(settings.size, settings.adaptive)?;
+            Film::new(settings.size, layout, fingerprint, settings.adaptive)
         }
         Some(film) if film.fingerprint.scene != fingerprint.scene => {
             return Err(PathTracerError::CheckpointMismatch { what: "the scene" });
@@ -120,6 +120,7 @@ impl Run<'_> {
     fn run(&self, film: &mut Film) {
         let mut error = (film.spp() > 0).then(|| film.uncertainty().0);
         let mut time_per_spp = None;
+        film.revise();
         while let Some(goal) = self.goal(film, error, time_per_spp) {
             let (begin, from) = (Instant::now(), film.spp());
             let cancelled = self.pass(film, goal, error);
@@ -129,6 +130,7 @@ impl Run<'_> {
             }
             time_per_spp = Some(begin.elapsed() / (goal - from));
             error = Some(film.uncertainty().0);
+            film.revise();
             self.control.pass(film);
         }
     }
@@ -146,7 +148,8 @@ impl Run<'_> {
         if let Some(each) = time_per_spp {
             step = step.min(affordable(PASS_TIME, each)).min(remaining.map_or(u32::MAX, |time| affordable(time, each)));
         }
-        let goal = spp.saturating_add(step.max(1));
+        let revision = film.plan.as_ref().map_or(u32::MAX, |plan| plan.revision());
+        let goal = spp.saturating_add(step.max(1)).min(revision);
         Some(self.stop.spp.map_or(goal, |limit| goal.min(limit)))
     }
 
@@ -162,7 +165,7 @@ impl Run<'_> {
                 if cancelled.load(Ordering::Relaxed) {
                     return (0, 0);
                 }
-                let added = u64::from(goal.saturating_sub(*row.spp)) * width;
+                let added = u64::from(goal.saturating_sub(*row.level)) * width;
                 let counts = self.pixels.row(&mut row, goal);
                 let samples = samples.fetch_add(added, Ordering::Relaxed) + added;
                 let elapsed = self.start.elapsed();
@@ -204,13 +207,13 @@ impl Pixels<'_> {
         let mut record = vec![0.0; self.channels];
         let (mut rays, mut invalid) = (0, 0);
         for x in 0..self.cx.settings.size.x {
-            for sample in *row.spp..goal {
+            for sample in row.count(x, *row.level)..row.count(x, goal) {
                 record.fill(0.0);
                 rays += self.sample(UVec2::new(x, row.y), sample, &mut record);
                 invalid += u64::from(!row.add(x, sample, &record));
             }
         }
-        *row.spp = goal.max(*row.spp);
+        *row.level = goal.max(*row.level);
         (rays, invalid)
     }
 

@@ -33,6 +33,10 @@ pub struct Settings {
     pub ambient_distance: f32,
     /// Move the start of rays off coarse smooth-shaded meshes, so that the facets cast no shadow on themselves.    \[Hanika21]
     pub smooth_terminator: bool,
+    /// After 16 samples per pixel, more go where noise is, by what the neighbours of each pixel have seen: the mean of every pixel stays
+    /// unbiased. Noise goals are reached with fewer samples, but the error of one pixel no longer says much about that of another, so references
+    /// that others are judged by are sampled evenly. The image [`Aov::Samples`] shows where they went.    \[Kirk91], \[Neyman34]
+    pub adaptive: bool,
 }
 
 impl Default for Settings {
@@ -50,6 +54,7 @@ impl Default for Settings {
             aovs: Vec::new(),
             ambient_distance: f32::INFINITY,
             smooth_terminator: true,
+            adaptive: false,
         }
     }
 }
@@ -69,6 +74,9 @@ impl Settings {
         }
         if self.ambient_distance.is_nan() || self.ambient_distance <= 0.0 {
             return Err(PathTracerError::Range { what: "ambient distance", got: self.ambient_distance.into(), range: "(0, inf]" });
+        }
+        if self.adaptive && matches!(self.sampler, SamplerKind::BlueNoise { .. }) {
+            return Err(PathTracerError::AdaptiveBlueNoise);
         }
         if let RussianRoulette::Constant(q) = self.russian_roulette
             && !(q > 0.0 && q <= 1.0)

@@ -44,6 +44,38 @@ fn resumed_from_a_file_equals_uninterrupted() {
     assert!(samples(film.unwrap()) == whole());
 }
 
+fn adaptive() -> Settings {
+    let aovs = ["samples", "depth"].map(|name| name.parse().unwrap()).into();
+    Settings { adaptive: true, aovs, max_depth: 3, ..sized(20, 14) }
+}
+
+/// Past two revisions of the plan.
+const ADAPTIVE_SPP: u32 = 420;
+
+#[test]
+fn adaptive_films_are_the_same_at_any_number_of_threads_and_interruptions() {
+    let (tracer, directory) = (tracer(&cornell()), tempfile::tempdir().unwrap());
+    let whole = samples(film_at(&cornell(), &adaptive(), ADAPTIVE_SPP));
+    let path = directory.path().join("film");
+    let mut film = None;
+    for (spp, threads) in [(5, 1), (16, 3), (17, 2), (200, 5), (ADAPTIVE_SPP, 2)] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let part = pool.install(|| render(&tracer, &adaptive(), Stop::at_spp(spp), film.take(), &uncontrolled)).unwrap();
+        part.save(&path).unwrap();
+        film = Some(Film::load(&path).unwrap());
+    }
+    assert!(samples(film.unwrap()) == whole);
+    let cancelled = render(&tracer, &adaptive(), Stop::at_spp(ADAPTIVE_SPP), None, &Impatient(AtomicU32::new(0))).unwrap();
+    let finished = render(&tracer, &adaptive(), Stop::at_spp(ADAPTIVE_SPP), Some(cancelled), &uncontrolled).unwrap();
+    assert!(samples(finished) == whole);
+    let even = film_at(&cornell(), &Settings { adaptive: false, ..adaptive() }, 16);
+    assert_eq!(film_at(&cornell(), &adaptive(), 16).develop().beauty(), even.develop().beauty(), "the pilot is the same");
+    assert!(matches!(
+        render(&tracer, &adaptive(), Stop::at_spp(17), Some(even), &uncontrolled),
+        Err(PathTracerError::CheckpointMismatch { what: "the settings" })
+    ));
+}
+
 /// Breaks after some rows.
 struct Impatient(AtomicU32);
 
@@ -128,5 +160,7 @@ fn wrong_settings_are_explained() {
     let lamp = Settings { aovs: vec![Aov::Visibility("lamp".into())], ..settings() };
     assert!(message(lamp).contains("visibility.light"));
     assert!(message(Settings { aovs: vec![Aov::Motion], ..settings() }).contains("previous snapshot"));
+    let blue_noise = SamplerKind::BlueNoise { log2_samples: 4 };
+    assert!(message(Settings { adaptive: true, sampler: blue_noise, ..settings() }).contains("blue noise"));
     assert!(message(Settings { ambient_distance: 0.0, ..settings() }).contains("ambient distance"));
 }

@@ -189,3 +189,19 @@ fn mirrors_show_lights() {
         assert_eq!(film.rays(), 2 * film.samples());
     }
 }
+
+#[test]
+fn adaptive_sampling_keeps_the_mean_and_reaches_a_noise_goal_with_fewer_samples() {
+    let even = Settings { max_depth: 3, sampler: SamplerKind::Independent, ..sized(32, 32) };
+    let adaptive = Settings { adaptive: true, seed: 1, aovs: vec![crate::Aov::Samples], ..even.clone() };
+    let frame = render_at(&super::scenes::cornell(), &adaptive, 256);
+    assert_same_mean("adaptive", &frame, &render_at(&super::scenes::cornell(), &even, 256));
+    let counts = frame.image("samples").expect("asked for").pixels.to_color();
+    let total: f64 = counts.pixels().iter().map(|n| f64::from(n[0])).sum();
+    assert_eq!(total, frame.samples as f64);
+    assert!((total / (32.0 * 32.0) / 256.0 - 1.0).abs() < 0.02, "{total}");
+    let goal = |settings| render(&tracer(&super::scenes::cornell()), settings, Stop::at_noise(0.12), None, &uncontrolled).unwrap();
+    let (even, adaptive) = (goal(&even), goal(&adaptive));
+    assert!(adaptive.develop().relative_standard_error <= 0.12);
+    assert!(adaptive.samples() * 2 < even.samples(), "{} samples instead of {}", adaptive.samples(), even.samples());
+}

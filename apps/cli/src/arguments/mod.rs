@@ -100,6 +100,12 @@ pub struct Render {
     /// Stop when the relative standard error of the image is below this
     #[arg(long, value_name = "RELERR", group = "stop", allow_negative_numbers = true, value_parser = positive)]
     pub noise: Option<f64>,
+    /// Put samples where noise is, --spp being their mean; stays unbiased. --aov samples shows where they went
+    #[arg(long)]
+    pub adaptive: bool,
+    /// Take the noise out of the picture, for previews: biased, so never judge by it. An .exr keeps the noisy one as layer `noisy`
+    #[arg(long)]
+    pub denoise: bool,
     /// Camera, environment, time and animation
     #[command(flatten)]
     pub view: View,

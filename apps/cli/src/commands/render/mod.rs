@@ -1,10 +1,11 @@
 //! `kajo render`: one image, or a sequence of them.
 
+mod denoise;
 mod realtime;
 mod reference;
 mod write;
 
-use crate::arguments::{Common, Render, RendererChoice};
+use crate::arguments::{Common, Render, RendererChoice, SamplerChoice};
 use crate::failure::{Failure, Outcome};
 use crate::view;
 use kajo_scene::Scene;
@@ -37,6 +38,8 @@ fn check(arguments: &Render) -> Outcome {
     let reference_only = [
         ("--time", arguments.time.is_some()),
         ("--noise", arguments.noise.is_some()),
+        ("--adaptive", arguments.adaptive),
+        ("--denoise", arguments.denoise),
         ("--checkpoint", arguments.checkpoint.is_some()),
         ("--integrator", arguments.integrator.is_some()),
         ("--max-depth", tracing.max_depth.is_some()),
@@ -48,6 +51,12 @@ fn check(arguments: &Render) -> Outcome {
     ];
     if let Some((flag, _)) = reference_only.iter().find(|(_, given)| *given && arguments.renderer == RendererChoice::Realtime) {
         return Err(Failure::usage(format!("{flag} is for the path tracer; remove it or --renderer realtime")));
+    }
+    denoise::check(arguments)?;
+    if arguments.adaptive && tracing.sampler == Some(SamplerChoice::BlueNoise) {
+        return Err(Failure::usage(
+            "--adaptive needs pixels whose random numbers are independent, which blue noise has not; remove one of them",
+        ));
     }
     let outputs: Vec<&PathBuf> = std::iter::once(&arguments.output).chain(&arguments.stats).chain(&arguments.checkpoint).collect();
     for (index, path) in outputs.iter().enumerate() {

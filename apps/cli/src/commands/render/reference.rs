@@ -1,5 +1,6 @@
 //! `kajo render --renderer reference`: the path tracer, with progress, checkpoints and statistics.
 
+use super::denoise;
 use super::write::{Picture, provenance};
 use crate::arguments::{Common, Render};
 use crate::failure::{Failure, Outcome};
@@ -28,9 +29,11 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     let tracer = path_tracing::tracer(scene, snapshot, &arguments.tracing)?.with_previous(previous)?;
     let build_seconds = started.elapsed().as_secs_f64();
 
+    let wanted = aovs(&arguments.aov, &tracer, max_depth(&arguments.tracing))?;
     let settings = Settings {
         integrator: arguments.integrator.unwrap_or_default(),
-        aovs: aovs(&arguments.aov, &tracer, max_depth(&arguments.tracing))?,
+        adaptive: arguments.adaptive,
+        aovs: if arguments.denoise { denoise::with_features(&wanted) } else { wanted.clone() },
         ..path_tracing::settings(&arguments.tracing, size, camera, arguments.spp.unwrap_or(DEFAULT_SPP))
     };
     let film = resumed(arguments)?;
@@ -45,10 +48,12 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     }
 
     let frame = film.develop();
-    let stats = stats(arguments, &frame, build_seconds, tracer.bvh_bytes());
+    let denoised = arguments.denoise.then(|| in_pool(arguments.tracing.threads, || denoise::run(&frame))?).transpose()?;
+    let stats = stats(arguments, &frame, build_seconds, tracer.bvh_bytes(), denoised.as_ref().map(|denoised| denoised.seconds));
     let mut metadata = provenance();
     metadata.extend(stats.as_object().into_iter().flatten().map(|(key, value)| (key.clone(), value.to_string())));
-    let picture = Picture { image: frame.beauty(), layers: layers(&frame), metadata, scene_exposure: scene.exposure };
+    let image = denoised.as_ref().map_or(frame.beauty(), |denoised| &denoised.image);
+    let picture = Picture { image, layers: layers(&frame, &wanted, denoised.is_some()), metadata, scene_exposure: scene.exposure };
     picture.write(arguments, output)?;
     if let Some(path) = &arguments.stats {
         kajo_image::write_atomic(path, serde_json::to_string_pretty(&stats)?.as_bytes())?;
@@ -149,20 +154,28 @@ impl Control for Watch {
     }
 }
 
-/// All images but the picture itself, each followed by its variance where that is known.
-fn layers(frame: &Frame) -> Vec<Layer> {
+/// The `wanted` images, each followed by its variance where that is known; before them the noisy picture where another stands in its place.
+fn layers(frame: &Frame, wanted: &[Aov], denoised: bool) -> Vec<Layer> {
+    let picture = if denoised { "noisy" } else { "beauty" };
+    let is_wanted = |name: &str| name == "beauty" || wanted.iter().any(|aov| is_image_of(name, &aov.to_string()));
     let of_image = |image: &kajo_path_tracer::FrameImage| {
-        let variance = image.variance.as_ref().map(|variance| variance.to_layer(&format!("{}.variance", image.name)));
-        let own = (image.name != "beauty").then(|| image.pixels.to_layer(&image.name));
+        let name = if image.name == "beauty" { picture } else { &image.name };
+        let variance = image.variance.as_ref().map(|variance| variance.to_layer(&format!("{name}.variance")));
+        let own = (name != "beauty").then(|| image.pixels.to_layer(name));
         own.into_iter().chain(variance)
     };
-    frame.images.iter().flat_map(of_image).collect()
+    frame.images.iter().filter(|image| is_wanted(&image.name)).flat_map(of_image).collect()
 }
 
-fn stats(arguments: &Render, frame: &Frame, build_seconds: f64, bvh_bytes: usize) -> Value {
+/// Whether an image is what was asked for; `visibility.*` asks for those of every light.
+fn is_image_of(name: &str, wanted: &str) -> bool {
+    name == wanted || wanted.strip_suffix('*').is_some_and(|start| name.starts_with(start))
+}
+
+fn stats(arguments: &Render, frame: &Frame, build_seconds: f64, bvh_bytes: usize, denoise_seconds: Option<f64>) -> Value {
     let per_second = |count: u64| count as f64 / frame.seconds.max(1e-9);
     let finite = |value: f32| if value.is_finite() { json!(value) } else { Value::Null };
-    json!({
+    let mut stats = json!({
         "scene": arguments.scene,
         "width": frame.size.x,
         "height": frame.size.y,
@@ -180,7 +193,11 @@ fn stats(arguments: &Render, frame: &Frame, build_seconds: f64, bvh_bytes: usize
         "mean_luminance_confidence_95": finite(frame.mean_luminance.1),
         "invalid_samples": frame.invalid_samples,
         "bvh_bytes": bvh_bytes,
-    })
+    });
+    if let Some(seconds) = denoise_seconds {
+        stats["denoise_seconds"] = json!(seconds);
+    }
+    stats
 }
 
 fn say(common: &Common, frame: &Frame, stats: &Value, path: &Path) -> Outcome {
@@ -198,5 +215,6 @@ fn say(common: &Common, frame: &Frame, stats: &Value, path: &Path) -> Outcome {
         _ => "unknown standard error".into(),
     };
     let speed = frame.samples as f64 / frame.seconds.max(1e-9) / 1e6;
-    output::text(&format!("{}: {} spp in {:.1} s ({speed:.2} Msamples/s), {noise}\n", path.display(), frame.spp, frame.seconds))
+    let denoised = stats["denoise_seconds"].as_f64().map_or(String::new(), |seconds| format!(" before it was denoised in {seconds:.1} s"));
+    output::text(&format!("{}: {} spp in {:.1} s ({speed:.2} Msamples/s), {noise}{denoised}\n", path.display(), frame.spp, frame.seconds))
 }

@@ -73,3 +73,34 @@ fn every_layer_is_in_one_file() {
     }
     assert!(file.metadata["command"].contains("builtin:cornell"), "{:?}", file.metadata);
 }
+
+#[test]
+fn a_denoised_picture_is_nearer_to_the_truth_and_the_noisy_one_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    render(folder.path(), &["--spp", "8", "-o", "noisy.exr"]);
+    render(folder.path(), &["--spp", "8", "--denoise", "--stats", "s.json", "-o", "denoised.exr"]);
+    render(folder.path(), &["--spp", "512", "--seed", "1", "-o", "truth.exr"]);
+    let error = |image: &str| json(folder.path(), &["metrics", image, "truth.exr"])["rel_mse"].as_f64().unwrap();
+    assert!(error("denoised.exr") < 0.5 * error("noisy.exr"), "{} {}", error("denoised.exr"), error("noisy.exr"));
+    let read = |name: &str| kajo_image::ExrFile::read(&folder.path().join(name)).unwrap();
+    let (denoised, noisy) = (read("denoised.exr"), read("noisy.exr"));
+    assert_eq!(denoised.color("noisy"), noisy.color(""));
+    assert_eq!(denoised.color("noisy.variance"), noisy.color("beauty.variance"));
+    assert!(denoised.layer("beauty.variance").is_none() && denoised.layer("albedo").is_none(), "only what was asked for");
+    let stats: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(folder.path().join("s.json")).unwrap()).unwrap();
+    assert!(stats["denoise_seconds"].is_number(), "{stats}");
+}
+
+#[test]
+fn adaptive_samples_can_be_looked_at_and_resumed() {
+    let folder = tempfile::tempdir().unwrap();
+    let adaptive = ["--adaptive", "--aov", "samples", "--max-depth", "2"];
+    render(folder.path(), &[&adaptive[..], &["--spp", "64", "-o", "whole.exr"]].concat());
+    render(folder.path(), &[&adaptive[..], &["--spp", "20", "-o", "part.exr", "--checkpoint", "c.ckpt"]].concat());
+    render(folder.path(), &[&adaptive[..], &["--spp", "64", "-o", "part.exr", "--checkpoint", "c.ckpt", "--resume"]].concat());
+    assert!(identical(folder.path(), "whole.exr", "part.exr"));
+    let file = kajo_image::ExrFile::read(&folder.path().join("whole.exr")).unwrap();
+    let counts = file.layer("samples").unwrap().channel("Y").unwrap();
+    let mean = counts.iter().sum::<f32>() / counts.len() as f32;
+    assert!((mean - 64.0).abs() < 3.0 && counts.iter().any(|&n| n < 40.0) && counts.iter().any(|&n| n > 128.0), "mean {mean}");
+}

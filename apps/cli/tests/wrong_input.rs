@@ -59,6 +59,9 @@ fn wrong_words_exit_with_2() {
     refuses(&["render", "builtin:cornell", "-o", "x.png", "--camera", "camra"], &["did you mean \"camera\"?"]);
     refuses(&["render", "builtin:cornell", "-o", "x.png", "--technique", "direct-visibility=shadow/map"], &["--renderer realtime"]);
     refuses(&["render", "builtin:cornell", "-o", "x.exr", "--aov", "visibility.nobody", "--size", "8x8"], &["visibility.light"]);
+    refuses(&["render", "builtin:cornell", "-o", "x.png", "--denoise", "--integrator", "normal"], &["--denoise is for light"]);
+    refuses(&["render", "builtin:cornell", "-o", "x.png", "--denoise", "--renderer", "realtime"], &["--denoise is for the path tracer"]);
+    refuses(&["render", "builtin:cornell", "-o", "x.png", "--adaptive", "--sampler", "blue-noise"], &["blue noise"]);
     refuses(&["render", "builtin:cornell", "-o", "x.png", "--stats", "x.png"], &["x.png is to be written twice"]);
     refuses(&["render", "builtin:cornell", "-o", "x.png", "--checkpoint", "y", "--stats", "y"], &["y is to be written twice"]);
     refuses(&["compare", "builtin:cornel", "-o", "report"], &["did you mean `builtin:cornell`"]);

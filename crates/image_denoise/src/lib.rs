@@ -32,7 +32,9 @@ use tile::Tile;
 pub struct Input<'a> {
     /// The mean of each pixel's samples, W/(m² sr).
     pub color: &'a Image<LinearRgb>,
-    /// Variance of that mean. Where it is infinite, as that of one sample is, the scatter of the neighbours stands for it.
+    /// The part of it that comes straight from emitters and the background, W/(m² sr): it has no noise but that of edges, and stays as it is.
+    pub emission: &'a Image<LinearRgb>,
+    /// Variance of the mean. Where it is infinite, as that of one sample is, the scatter of the neighbours stands for it.
     pub variance: &'a Image<LinearRgb>,
     /// Base colour of the first hit, [0, 1].
     pub albedo: &'a Image<LinearRgb>,
@@ -64,7 +66,11 @@ pub fn denoise(input: &Input) -> Result<Image<LinearRgb>, DenoiseError> {
         for (row, y) in pixels.chunks_exact(Tile::WIDTH).zip(tile.y as u32..size.y) {
             let begin = y as usize * size.x as usize + tile.x as usize;
             let length = row.len().min(size.x as usize - tile.x as usize);
-            image.pixels_mut()[begin..begin + length].copy_from_slice(&row[..length]);
+            for ((out, reflected), emission) in
+                image.pixels_mut()[begin..].iter_mut().zip(&row[..length]).zip(&input.emission.pixels()[begin..])
+            {
+                *out = *reflected + *emission;
+            }
         }
     }
     Ok(image)
@@ -76,6 +82,7 @@ fn check(input: &Input) -> Result<(), DenoiseError> {
         return Err(DenoiseError::Empty);
     }
     for (what, got) in [
+        ("emission", input.emission.size()),
         ("variance", input.variance.size()),
         ("albedo", input.albedo.size()),
         ("normal", input.normal.size()),
@@ -87,6 +94,7 @@ fn check(input: &Input) -> Result<(), DenoiseError> {
     }
     for (what, finite) in [
         ("color", input.color.pixels().iter().all(|c| c.is_finite())),
+        ("emission", input.emission.pixels().iter().all(|c| c.is_finite())),
         ("variance", input.variance.pixels().iter().all(|v| !v.0.is_nan() && v.0.min_element() >= 0.0)),
         ("albedo", input.albedo.pixels().iter().all(|c| c.is_finite())),
         ("normal", input.normal.pixels().iter().all(|n| n.is_finite())),
@@ -101,7 +109,7 @@ fn check(input: &Input) -> Result<(), DenoiseError> {
 
 fn planes(input: &Input) -> Planes {
     let mut planes = Planes::new(input.color.size(), tile::RADIUS as usize + patches::PATCH, Tile::SIZE);
-    planes.push_rgb(|x, y| input.color.get(x, y).0);
+    planes.push_rgb(|x, y| reflected(input, x, y));
     let variance = known_variance(input);
     planes.push(|x, y| smooth(&variance, x, y));
     planes.push_rgb(|x, y| input.albedo.get(x, y).0);
@@ -110,6 +118,11 @@ fn planes(input: &Input) -> Planes {
     planes.push(|x, y| input.depth.get(x, y) * scale);
     debug_assert_eq!(planes.count(), plane::FEATURE + FEATURES);
     planes
+}
+
+/// What the pixel sees of light that bounced.
+fn reflected(input: &Input, x: u32, y: u32) -> Vec3 {
+    input.color.get(x, y).0 - input.emission.get(x, y).0
 }
 
 /// Depth relative to its mean, so that it has the size of the other features.
@@ -123,7 +136,7 @@ fn depth_scale(depth: &Image<f32>) -> f32 {
 fn known_variance(input: &Input) -> Image<f32> {
     Image::from_fn(input.color.size(), |x, y| {
         let variance = input.variance.get(x, y).0.element_sum();
-        if variance.is_finite() { variance } else { scatter(input.color, x, y) }
+        if variance.is_finite() { variance } else { scatter(input, x, y) }
     })
 }
 
@@ -133,11 +146,11 @@ fn around(size: UVec2, x: u32, y: u32, radius: u32) -> impl Iterator<Item = (u32
     (y.saturating_sub(radius)..=bottom).flat_map(move |y| (x.saturating_sub(radius)..=right).map(move |x| (x, y)))
 }
 
-/// Variance among the 25 pixels around, summed over the channels.
-fn scatter(color: &Image<LinearRgb>, x: u32, y: u32) -> f32 {
+/// Variance of reflected light among the 25 pixels around, summed over the channels.
+fn scatter(input: &Input, x: u32, y: u32) -> f32 {
     let (mut count, mut sum, mut squares) = (0.0, glam::DVec3::ZERO, glam::DVec3::ZERO);
-    for (x, y) in around(color.size(), x, y, 2) {
-        let value = color.get(x, y).0.as_dvec3();
+    for (x, y) in around(input.color.size(), x, y, 2) {
+        let value = reflected(input, x, y).as_dvec3();
         count += 1.0;
         sum += value;
         squares += value * value;

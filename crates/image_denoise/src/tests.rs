@@ -12,6 +12,7 @@ const SIZE: UVec2 = UVec2::new(96, 64);
 struct Scene {
     truth: Image<LinearRgb>,
     color: Image<LinearRgb>,
+    emission: Image<LinearRgb>,
     variance: Image<LinearRgb>,
     albedo: Image<LinearRgb>,
     normal: Image<Vec3>,
@@ -48,6 +49,7 @@ fn scene(samples: u32, seed: u64) -> Scene {
     };
     Scene {
         color: image(|p| p.0),
+        emission: Image::from_fn(SIZE, |_, _| LinearRgb::BLACK),
         variance: image(|p| p.1),
         albedo: Image::from_fn(SIZE, |x, y| truth(x, y).1),
         normal: Image::from_fn(SIZE, |x, y| truth(x, y).2),
@@ -58,7 +60,14 @@ fn scene(samples: u32, seed: u64) -> Scene {
 
 impl Scene {
     fn input(&self) -> Input<'_> {
-        Input { color: &self.color, variance: &self.variance, albedo: &self.albedo, normal: &self.normal, depth: &self.depth }
+        Input {
+            color: &self.color,
+            emission: &self.emission,
+            variance: &self.variance,
+            albedo: &self.albedo,
+            normal: &self.normal,
+            depth: &self.depth,
+        }
     }
 
     fn denoised(&self) -> Image<LinearRgb> {
@@ -149,6 +158,27 @@ fn a_picture_without_noise_stays_as_it_is() {
 }
 
 #[test]
+fn light_that_comes_straight_from_a_lamp_does_not_bleed() {
+    let mut scene = scene(4, 8);
+    let lamp = |x: u32, y: u32| (30..40).contains(&x) && (40..44).contains(&y);
+    let before = scene.denoised();
+    scene.emission = Image::from_fn(SIZE, |x, y| LinearRgb::splat(if lamp(x, y) { 500.0 } else { 0.0 }));
+    for ((color, emission), variance) in scene.color.pixels_mut().iter_mut().zip(scene.emission.pixels()).zip(scene.variance.pixels_mut()) {
+        *color += *emission;
+        *variance += *emission * 100.0;
+    }
+    let after = scene.denoised();
+    for y in 0..SIZE.y {
+        for x in 0..SIZE.x {
+            let (light, expected) = (after.get(x, y).0, before.get(x, y).0 + scene.emission.get(x, y).0);
+            assert!((light - expected).abs().max_element() < 1.0, "{light} at {x}, {y}");
+        }
+    }
+    let blur = blurred(&scene.color);
+    assert!(blur.get(29, 42).0.x > 10.0, "a blur must fail");
+}
+
+#[test]
 fn every_processor_has_the_same_bits() {
     let scene = scene(4, 5);
     let planes = planes(&scene.input());
@@ -164,8 +194,8 @@ fn pictures_of_any_size_and_brightness_have_finite_answers() {
         for variance in [0.0, scale * scale, f32::INFINITY] {
             let variance = color.map(|_| LinearRgb::splat(variance));
             let (normal, depth) = (color.map(|_| Vec3::ZERO), color.map(|_| 0.0));
-            let input =
-                Input { color: &color, variance: &variance, albedo: &color.map(|_| LinearRgb::BLACK), normal: &normal, depth: &depth };
+            let black = color.map(|_| LinearRgb::BLACK);
+            let input = Input { color: &color, emission: &black, variance: &variance, albedo: &black, normal: &normal, depth: &depth };
             let image = denoise(&input).unwrap();
             assert!(image.size() == size && image.pixels().iter().all(|p| p.is_finite()), "{size} {scale}");
         }

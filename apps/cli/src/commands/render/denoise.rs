@@ -2,7 +2,6 @@
 
 use crate::arguments::Render;
 use crate::failure::{Failure, Outcome};
-use glam::Vec3;
 use kajo_image::Image;
 use kajo_image_denoise::{Input, denoise};
 use kajo_path_tracer::{Aov, Frame, Integrator, Pixels};
@@ -10,7 +9,7 @@ use kajo_units::LinearRgb;
 use std::time::Instant;
 
 /// What the denoiser knows of a pixel besides its colour.
-const FEATURES: [Aov; 3] = [Aov::Albedo, Aov::ShadingNormal, Aov::Depth];
+const FEATURES: [Aov; 4] = [Aov::Emission, Aov::Albedo, Aov::ShadingNormal, Aov::Depth];
 
 /// A picture without noise, and the time that took.
 pub struct Denoised {
@@ -46,10 +45,11 @@ pub fn with_features(wanted: &[Aov]) -> Vec<Aov> {
 pub fn run(frame: &Frame) -> Outcome<Denoised> {
     let begin = Instant::now();
     let feature = |aov: &Aov| frame.image(&aov.to_string()).map(|image| &image.pixels);
-    let [Some(Pixels::Color(albedo)), Some(Pixels::Vector(normal)), Some(Pixels::Scalar(depth))] = FEATURES.each_ref().map(feature) else {
+    let [Some(Pixels::Color(emission)), Some(Pixels::Color(albedo)), Some(Pixels::Vector(normal)), Some(Pixels::Scalar(depth))] =
+        FEATURES.each_ref().map(feature)
+    else {
         return Err(Failure::run("the rendering lacks the images that denoising needs"));
     };
-    let (normal, depth): (&Image<Vec3>, &Image<f32>) = (normal, depth);
-    let input = Input { color: frame.beauty(), variance: frame.beauty_variance(), albedo, normal, depth };
+    let input = Input { color: frame.beauty(), emission, variance: frame.beauty_variance(), albedo, normal, depth };
     Ok(Denoised { image: denoise(&input)?, seconds: begin.elapsed().as_secs_f64() })
 }

@@ -9,7 +9,7 @@
 //!
 //! # Deviations
 //! Of \[Bitterli16] this keeps one pass, one bandwidth and one picture: filtering two halves of the samples by each other's weights, which undoes the
-//! correlation of weights and noise, took three times as long and had more error (docs/performance.md, Denoising).
+//! correlation of weights and noise, took three times as long and had more error (docs/performance.md).
 
 mod error;
 mod patches;

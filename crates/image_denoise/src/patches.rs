@@ -10,6 +10,8 @@
 //!
 //! V: variance of the pixel, summed over the channels. The kernel is exp(−d²) to within 0.06, but ends.
 
+#![allow(clippy::needless_range_loop, reason = "lanes and matrices are indexed as in their formulas")]
+
 use crate::plane;
 use crate::planes::Planes;
 use crate::tile::Tile;

@@ -6,6 +6,8 @@
 //!
 //! Sixteen neighbouring pixels are solved side by side, one a lane.
 
+#![allow(clippy::needless_range_loop, reason = "lanes and matrices are indexed as in their formulas")]
+
 /// Pixels solved together.
 pub(crate) const LANES: usize = 16;
 pub(crate) type Lanes = [f32; LANES];

@@ -23,7 +23,7 @@ struct Scene {
 /// right, and a shadow edge without any feature crosses at the diagonal.
 fn truth(x: u32, y: u32) -> (LinearRgb, LinearRgb, Vec3, f32) {
     let left = x < SIZE.x / 2;
-    let stripe = y < SIZE.y / 2 && (x / 2) % 2 == 0;
+    let stripe = y < SIZE.y / 2 && (x / 2).is_multiple_of(2);
     let albedo = if stripe { LinearRgb::new(0.8, 0.2, 0.1) } else { LinearRgb::new(0.4, 0.5, 0.3) };
     let light = if left { 1.0 } else { 0.4 } * (1.2 - x as f32 / SIZE.x as f32) * if lit(x, y) { 1.0 } else { 0.3 };
     (albedo * light, albedo, if left { Vec3::Z } else { Vec3::X }, if left { 2.0 } else { 3.0 })

@@ -1,5 +1,7 @@
 //! Filtering one tile: weights of a row of the window for all pixels, then their sums, sixteen pixels at a time.
 
+#![allow(clippy::needless_range_loop, reason = "lanes and matrices are indexed as in their formulas")]
+
 use crate::patches::{self, Scratch};
 use crate::plane;
 use crate::planes::Planes;

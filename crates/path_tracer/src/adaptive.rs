@@ -261,7 +261,7 @@ mod tests {
             plan.revise(SIZE);
         }
         let quiet = plan.density[0];
-        assert!(quiet >= EVEN && quiet < 0.2, "{quiet}");
+        assert!((EVEN..0.2).contains(&quiet), "{quiet}");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::{
     blas::Blas,
-    build::BuildOptions,
+    build::{BuildOptions, BuildQuality},
     error::BvhError,
     lanes::Backend,
     ray::{Filter, Ray},
@@ -19,6 +19,8 @@ pub struct RayBenchOptions {
     pub any_hit: bool,
     /// Trace each ray by itself instead of letting neighbours share a walk where they are alike.
     pub one_at_a_time: bool,
+    /// What the build spends its time on.
+    pub quality: BuildQuality,
     /// Threads of the build and of tracing; 0 for one a core.
     pub threads: usize,
     /// How often to build and to trace; at least once.
@@ -27,7 +29,7 @@ pub struct RayBenchOptions {
 
 impl Default for RayBenchOptions {
     fn default() -> Self {
-        Self { any_hit: false, one_at_a_time: false, threads: 0, repeat: 5 }
+        Self { any_hit: false, one_at_a_time: false, quality: BuildQuality::default(), threads: 0, repeat: 5 }
     }
 }
 
@@ -46,6 +48,8 @@ pub struct RayBenchReport {
     pub build_ms: f64,
     /// Median time of the build, ms.
     pub build_ms_median: f64,
+    /// Expected work of a ray by the surface area heuristic, nodes and blocks of triangles at 1 each: [`Blas::sah_cost`].
+    pub sah_cost: f64,
     /// Memory of the hierarchy, bytes a triangle.
     pub bytes_per_triangle: f64,
     /// Rays a microsecond.
@@ -81,7 +85,7 @@ fn run(triangles: &[[Vec3; 3]], rays: &[Ray], options: &RayBenchOptions) -> Resu
     let mut blas = None;
     for _ in 0..repeat {
         let start = Instant::now();
-        blas = Some(Blas::build(positions, &indices, &BuildOptions::default())?);
+        blas = Some(Blas::build(positions, &indices, &BuildOptions::of(options.quality))?);
         build_seconds.push(start.elapsed().as_secs_f64());
     }
     let tlas = Tlas::single(blas.expect("at least one build"));
@@ -103,6 +107,7 @@ fn run(triangles: &[[Vec3; 3]], rays: &[Ray], options: &RayBenchOptions) -> Resu
         backend: tlas.backend(),
         build_ms: build * 1e3,
         build_ms_median: build_median * 1e3,
+        sah_cost: tlas.blases()[0].sah_cost(1.0).into(),
         bytes_per_triangle: tlas.memory() as f64 / triangles.len().max(1) as f64,
         mrays_per_s: rate(trace),
         mrays_per_s_median: rate(trace_median),
@@ -193,12 +198,17 @@ mod tests {
             .map(|i| Ray::new(Vec3::new((i % 97) as f32 * 0.1, (i % 89) as f32 * 0.1, (i % 501) as f32 - 0.5), Vec3::new(0.01, 0.02, 1.0)))
             .collect();
         let report = |threads, any_hit, one_at_a_time| {
-            bench_rays(&triangles, &rays, &RayBenchOptions { any_hit, one_at_a_time, threads, repeat: 2 }).unwrap()
+            bench_rays(&triangles, &rays, &RayBenchOptions { any_hit, one_at_a_time, threads, repeat: 2, ..RayBenchOptions::default() })
+                .unwrap()
         };
         let (one, three, any) = (report(1, false, false), report(3, false, true), report(2, true, false));
         assert_eq!((one.threads, three.threads, any.threads), (1, 3, 2));
         assert_eq!((one.hits, one.t_sum), (three.hits, three.t_sum));
         assert_eq!((any.hits, any.t_sum), (one.hits, 0.0));
+        for quality in BuildQuality::ALL {
+            let report = bench_rays(&triangles, &rays, &RayBenchOptions { quality, repeat: 1, ..RayBenchOptions::default() }).unwrap();
+            assert_eq!((report.hits, report.t_sum), (one.hits, one.t_sum), "{quality:?}");
+        }
         assert!(one.hits > 2_000 && one.hits < 10_000 && one.build_ms <= one.build_ms_median && one.mrays_per_s >= one.mrays_per_s_median);
     }
 }

@@ -104,6 +104,8 @@ pub struct FlatBvh {
     pub margin: f32,
     /// Added to the margin of the upper level's boxes, m.
     pub extra: f32,
+    /// Shapes of the meshes: they are functions of the caller's, which a shader does not have, so they are not in the arrays.
+    pub shapes_left_out: usize,
     /// Stack entries that a walk through the upper level can need.
     pub tlas_stack: u32,
     /// Stack entries that a walk through a mesh can need.
@@ -114,7 +116,8 @@ pub struct FlatBvh {
 const LEAF_TRIANGLES: usize = 4;
 
 impl FlatBvh {
-    /// Builds binary trees over the meshes and instances of `tlas`. Instances that cannot be hit are left out.
+    /// Builds binary trees over the meshes and instances of `tlas`. Instances that cannot be hit are left out, and all shapes:
+    /// see [`shapes_left_out`](Self::shapes_left_out).
     pub fn new(tlas: &Tlas) -> Self {
         let sah = Sah { max_leaf_size: LEAF_TRIANGLES, ..Sah::default() };
         let meshes: Vec<(Vec<FlatTriangle>, Vec<FlatNode>)> = tlas
@@ -141,6 +144,7 @@ impl FlatBvh {
             roots: Vec::new(),
             margin: tlas.margin().0,
             extra: tlas.margin().1,
+            shapes_left_out: tlas.blases().iter().map(|blas| blas.shape_count()).sum(),
             tlas_stack: 1,
             blas_stack: 1,
         };
@@ -165,7 +169,8 @@ impl FlatBvh {
     /// Fills the upper level.
     fn place(&mut self, tlas: &Tlas) {
         let placed = tlas.placed();
-        let items = placed.iter().enumerate().map(|(slot, p)| {
+        let with_triangles = placed.iter().enumerate().filter(|(_, p)| self.roots[p.blas as usize].is_some());
+        let items = with_triangles.map(|(slot, p)| {
             let bounds = world_bounds(&tlas.blases()[p.blas as usize], &p.world_from_object);
             Item::new(&bounds, slot as u32)
         });
@@ -177,7 +182,7 @@ impl FlatBvh {
             let p = &placed[slot as usize];
             FlatInstance {
                 object_from_world: rows(&p.object_from_world),
-                root: self.roots[p.blas as usize].expect("only meshes with triangles are placed"),
+                root: self.roots[p.blas as usize].expect("only meshes with triangles are kept"),
                 instance: p.instance,
                 mask: p.mask,
                 flags: if p.opaque { FlatInstance::OPAQUE } else { 0 },

@@ -37,6 +37,12 @@ pub struct Plane {
     pub cost: f32,
 }
 
+/// 1.5 · 2²³: added to a number below 2²², it rounds that to a whole one and leaves it in the low bits.
+const ROUNDING: f32 = 12582912.0;
+
+/// Up to this many items are divided by way of a second list, without branches that cannot be predicted.
+const MOST_COPIED: usize = 1 << 16;
+
 /// Items counted by the bin of their centre, on each axis. Kept and filled again for every node.
 pub struct Bins {
     count: usize,
@@ -44,11 +50,20 @@ pub struct Bins {
     scale: Vec4,
     boxes: [[Bin; 3]; MAX_BINS],
     counts: [[u32; 3]; MAX_BINS],
+    /// Items that go right.
+    right: Vec<Item>,
 }
 
 impl Bins {
     pub fn new() -> Self {
-        Self { count: 0, origin: Vec4::ZERO, scale: Vec4::ZERO, boxes: [[Bin::EMPTY; 3]; MAX_BINS], counts: [[0; 3]; MAX_BINS] }
+        Self {
+            count: 0,
+            origin: Vec4::ZERO,
+            scale: Vec4::ZERO,
+            boxes: [[Bin::EMPTY; 3]; MAX_BINS],
+            counts: [[0; 3]; MAX_BINS],
+            right: Vec::new(),
+        }
     }
 
     /// Counts items. Few items get few bins, at most `limit`.
@@ -71,12 +86,17 @@ impl Bins {
         }
     }
 
+    /// Bin of an item on each axis, and [`ROUNDING`].
+    #[inline(always)]
+    fn place(&self, item: &Item) -> Vec4 {
+        // At most 0.999 · count and its rounding, less a half: the nearest whole number is below count.
+        ((item.center2() - self.origin) * self.scale - 0.5) + ROUNDING
+    }
+
     /// Bin of an item on each axis.
     #[inline(always)]
     fn index(&self, item: &Item) -> [usize; 3] {
-        let place = (item.center2() - self.origin) * self.scale;
-        // The greatest place is 0.999 · count and its rounding: below count, which is at most 32.
-        place.to_array().first_chunk::<3>().expect("four lanes").map(|x| x as u8 as usize & (MAX_BINS - 1))
+        self.place(item).to_array().first_chunk::<3>().expect("four lanes").map(|x| x.to_bits() as usize & (MAX_BINS - 1))
     }
 
     /// The cheapest plane with items on both sides; the first of equals.
@@ -110,35 +130,63 @@ impl Bins {
         (best.bin > 0).then_some(best)
     }
 
-    /// Half the surface of what the boxes of both sides of a plane have in common.
-    pub fn overlap(&self, plane: &Plane) -> f32 {
-        let side = |bins: &[[Bin; 3]]| {
-            bins.iter().fold(Bin::EMPTY, |mut all, bin| {
+    /// Boxes around what lies on both sides of a plane.
+    fn sides(&self, plane: &Plane) -> [Bin; 2] {
+        [0..plane.bin, plane.bin..self.count].map(|bins| {
+            self.boxes[bins].iter().fold(Bin::EMPTY, |mut all, bin| {
                 all.add(bin[plane.axis].min, bin[plane.axis].max);
                 all
             })
-        };
-        let (left, right) = (side(&self.boxes[..plane.bin]), side(&self.boxes[plane.bin..self.count]));
+        })
+    }
+
+    /// Half the surface of what the boxes of both sides of a plane have in common.
+    pub fn overlap(&self, plane: &Plane) -> f32 {
+        let [left, right] = self.sides(plane);
         let extent = (left.max.min(right.max) - left.min.max(right.min)).max(Vec4::ZERO);
         half_area(Vec4::ZERO, extent)
     }
 
     /// Moves the items left of the plane to the front. The order depends on the items alone.
-    pub fn partition(&self, items: &mut [Item], plane: &Plane) -> Split {
-        let (mut left, mut right) = (Bounds::EMPTY, Bounds::EMPTY);
+    pub fn partition(&mut self, items: &mut [Item], plane: &Plane) -> Split {
+        let limit = Vec4::splat(ROUNDING + plane.bin as f32);
+        let goes_left = |bins: &Self, item: &Item| bins.place(item).cmplt(limit).bitmask() >> plane.axis & 1 == 1;
+        let mut centers = [Bin::EMPTY; 2];
         let mut middle = 0;
-        let mut end = items.len();
-        while middle < end {
-            let item = items[middle];
-            if self.index(&item)[plane.axis] < plane.bin {
-                left.add(&item);
-                middle += 1;
-            } else {
-                right.add(&item);
-                end -= 1;
-                items.swap(middle, end);
+        if items.len() <= MOST_COPIED {
+            let mut list = std::mem::take(&mut self.right);
+            list.resize(list.len().max(items.len()), items[0]);
+            let right = &mut list[..items.len()];
+            for index in 0..items.len() {
+                let item = items[index];
+                let left = goes_left(self, &item);
+                items[middle] = item;
+                right[index - middle] = item;
+                middle += usize::from(left);
+                let center = item.center2();
+                let only = |side: bool, none: Vec4| if side { center } else { none };
+                centers[0].add(only(left, Vec4::INFINITY), only(left, Vec4::NEG_INFINITY));
+                centers[1].add(only(!left, Vec4::INFINITY), only(!left, Vec4::NEG_INFINITY));
+            }
+            let count = items.len() - middle;
+            items[middle..].copy_from_slice(&right[..count]);
+            self.right = list;
+        } else {
+            let mut end = items.len();
+            while middle < end {
+                let item = items[middle];
+                let (left, center) = (goes_left(self, &item), item.center2());
+                centers[usize::from(!left)].add(center, center);
+                if left {
+                    middle += 1;
+                } else {
+                    end -= 1;
+                    items.swap(middle, end);
+                }
             }
         }
-        Split { middle, left, right }
+        let [left, right] = self.sides(plane);
+        let bounds = |all: Bin, centers: Bin| Bounds { min: all.min, max: all.max, center_min: centers.min, center_max: centers.max };
+        Split { middle, left: bounds(left, centers[0]), right: bounds(right, centers[1]) }
     }
 }

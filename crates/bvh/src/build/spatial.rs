@@ -171,7 +171,7 @@ impl<T: Triangle> Builder<'_, T> {
                 right.push(item);
             }
         }
-        (end > 0 && !right.is_empty()).then(|| Divided { left: (end, left_bounds), right: (right.len(), right_bounds), apart: true })
+        (end > 0 && !right.is_empty()).then_some(Divided { left: (end, left_bounds), right: (right.len(), right_bounds), apart: true })
     }
 
     /// What of an item that reaches over the cut goes to each side: its parts, or the whole to one side where that is cheaper, \[Stich09] section 4.4,
@@ -299,26 +299,42 @@ impl CutBins {
         bins
     }
 
+    /// Adds the parts of an item to the bins of an axis; in single precision, since this only estimates costs.
     fn add<T: Triangle>(&mut self, item: &Item, axis: usize, triangle: &T) {
-        let [first, last] = [item.min(), item.max()].map(|p| (((p[axis] - self.origin[axis]) / self.width[axis]) as usize).min(BINS - 1));
+        let (first, last) = (self.bin(axis, item.min()[axis]), self.bin(axis, item.max()[axis]));
         self.bins[axis][first].count += 1;
         self.ends[axis][last] += 1;
-        let mut rest = Some(*item);
-        if first < last
-            && let Some(corners) = triangle(item.number())
-        {
-            for bin in first..last {
-                let Some(item) = rest else { return };
-                let (here, beyond) = parts(&item, corners, axis, self.plane(axis, bin + 1));
-                if let Some(here) = here {
-                    self.bins[axis][bin] = self.bins[axis][bin].with(&here);
-                }
-                rest = beyond;
+        let Some(corners) = (if first < last { triangle(item.number()) } else { None }) else {
+            self.bins[axis][last] = self.bins[axis][last].with(item);
+            return;
+        };
+        let corners = corners.map(|p| p.extend(0.0));
+        let mut parts = [(Vec4::INFINITY, Vec4::NEG_INFINITY); BINS];
+        let mut add = |bin: usize, point: Vec4| {
+            let (min, max) = &mut parts[bin];
+            (*min, *max) = (min.min(point), max.max(point));
+        };
+        for i in 0..3 {
+            let (a, b) = (corners[i], corners[(i + 1) % 3]);
+            let [from, to] = [a, b].map(|p| self.bin(axis, p[axis]).clamp(first, last));
+            add(from, a);
+            let slope = (b - a) / (b[axis] - a[axis]);
+            for bin in from.min(to)..from.max(to) {
+                let crossing = a + slope * (self.plane(axis, bin + 1) - a[axis]);
+                add(bin, crossing);
+                add(bin + 1, crossing);
             }
         }
-        if let Some(rest) = rest {
-            self.bins[axis][last] = self.bins[axis][last].with(&rest);
+        for (bin, &(min, max)) in self.bins[axis].iter_mut().zip(&parts).take(last + 1).skip(first) {
+            let (min, max) = (min.max(item.min()), max.min(item.max()));
+            if min.xyz().cmple(max.xyz()).all() {
+                (bin.min, bin.max) = (bin.min.min(min), bin.max.max(max));
+            }
         }
+    }
+
+    fn bin(&self, axis: usize, place: f32) -> usize {
+        (((place - self.origin[axis]) / self.width[axis]) as usize).min(BINS - 1)
     }
 
     /// Where a bin begins.
@@ -335,11 +351,11 @@ impl CutBins {
                 right[bin] = right[bin + 1].union(&CutSide { count: self.ends[axis][bin], ..self.bins[axis][bin] });
             }
             let mut left = CutSide::EMPTY;
-            for bin in 1..BINS {
+            for (bin, right) in right.iter().enumerate().take(BINS).skip(1) {
                 left = left.union(&self.bins[axis][bin - 1]);
-                let total = left.cost(cost) + right[bin].cost(cost);
-                if left.count > 0 && right[bin].count > 0 && best.as_ref().is_none_or(|best| total < best.cost) {
-                    best = Some(Cut { axis, position: self.plane(axis, bin), sides: [left, right[bin]], cost: total });
+                let total = left.cost(cost) + right.cost(cost);
+                if left.count > 0 && right.count > 0 && best.as_ref().is_none_or(|best| total < best.cost) {
+                    best = Some(Cut { axis, position: self.plane(axis, bin), sides: [left, *right], cost: total });
                 }
             }
         }

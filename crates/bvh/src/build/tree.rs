@@ -47,28 +47,37 @@ impl Item {
     }
 }
 
-/// Inner node: children at `left` and `right`. Leaf: `count` items from `first`.
+/// A node of 32 bytes: two fill a cache line.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct BinaryNode {
     min: Vec3,
+    /// The left child, or the first item of a leaf.
+    left_or_first: u32,
     max: Vec3,
-    first: u32,
-    count: u32,
-    left: u32,
-    right: u32,
+    /// The right child, or the number of items of a leaf and [`LEAF`].
+    right_or_count: u32,
 }
 
+/// Tells leaves; node indices stay below.
+const LEAF: u32 = 1 << 31;
+
 impl BinaryNode {
-    pub const UNUSED: Self = Self { min: Vec3::ZERO, max: Vec3::ZERO, first: 0, count: 0, left: 0, right: 0 };
+    pub const UNUSED: Self = Self { min: Vec3::ZERO, left_or_first: 0, max: Vec3::ZERO, right_or_count: 0 };
 
     /// A leaf with `count` items from `first`.
     pub fn of_leaf(bounds: &Bounds, first: usize, count: usize) -> Self {
-        Self { min: bounds.min.xyz(), max: bounds.max.xyz(), first: first as u32, count: count as u32, left: 0, right: 0 }
+        Self { min: bounds.min.xyz(), left_or_first: first as u32, max: bounds.max.xyz(), right_or_count: count as u32 | LEAF }
     }
 
     /// An inner node.
     pub fn of_children(bounds: &Bounds, left: usize, right: usize) -> Self {
-        Self { min: bounds.min.xyz(), max: bounds.max.xyz(), first: 0, count: 0, left: left as u32, right: right as u32 }
+        Self { min: bounds.min.xyz(), left_or_first: left as u32, max: bounds.max.xyz(), right_or_count: right as u32 }
+    }
+
+    /// An inner node with the given box.
+    pub fn of_boxes(bounds: Aabb, left: u32, right: u32) -> Self {
+        Self { min: bounds.min, left_or_first: left, max: bounds.max, right_or_count: right }
     }
 
     pub fn bounds(&self) -> Aabb {
@@ -77,12 +86,13 @@ impl BinaryNode {
 
     /// The range of the tree's order that a leaf holds.
     pub fn leaf(&self) -> Option<Range<usize>> {
-        (self.count > 0).then(|| self.first as usize..(self.first + self.count) as usize)
+        let first = self.left_or_first as usize;
+        (self.right_or_count & LEAF != 0).then(|| first..first + (self.right_or_count & !LEAF) as usize)
     }
 
     /// Indices of both children of an inner node.
     pub fn children(&self) -> [usize; 2] {
-        [self.left as usize, self.right as usize]
+        [self.left_or_first as usize, self.right_or_count as usize]
     }
 }
 

@@ -345,12 +345,26 @@ pub struct BenchRays {
     /// Trace each ray by itself instead of neighbours together where they run alike
     #[arg(long)]
     pub one_at_a_time: bool,
+    /// What the build spends its time on; does not change the hits
+    #[arg(long, value_enum, default_value = "balanced")]
+    pub build_quality: Quality,
     /// Worker threads [default: all]; does not change the result
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1..=1024u16))]
     pub threads: Option<u16>,
     /// Builds and traces this often; the best counts
     #[arg(long, value_name = "N", default_value = "5", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
     pub repeat: u32,
+}
+
+/// The builds of `kajo_bvh`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Quality {
+    /// The least time.
+    Fast,
+    /// The best of many planes at every node.
+    Balanced,
+    /// Also planes that cut triangles in two.
+    High,
 }
 
 /// `kajo metrics`.

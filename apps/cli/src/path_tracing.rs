@@ -15,7 +15,8 @@ pub const DEFAULT_SPP: u32 = 64;
 /// # Errors
 /// Those of [`Tracer::new`] and [`Tracer::with_environment_sampler`].
 pub fn tracer(scene: &Scene, snapshot: Snapshot, tracing: &Tracing) -> Result<Tracer, PathTracerError> {
-    Tracer::new(scene, snapshot)?.with_environment_sampler(tracing.env_sampler.unwrap_or_default())
+    let tracer = Tracer::new(scene, snapshot)?.with_environment_sampler(tracing.env_sampler.unwrap_or_default())?;
+    Ok(tracer.with_light_sampler(tracing.light_sampler.unwrap_or_default()))
 }
 
 /// Settings of a picture that is to have `spp` samples per pixel.

@@ -1,7 +1,7 @@
 //! Hashes of what a rendering depends on, so that a film is never continued with another scene or other settings.
 
 use crate::film::Fingerprint;
-use crate::{EnvironmentSampler, Settings};
+use crate::{EnvironmentSampler, LightSampler, Settings};
 use kajo_scene::{Mesh, Scene, Snapshot, Texels};
 
 /// A 64-bit hash that is the same on every platform and in every version; not for adversaries.
@@ -54,8 +54,14 @@ pub(crate) fn fingerprint(scene: u64, settings: &Settings) -> Fingerprint {
 }
 
 /// Hash of geometry, materials, textures, lights, cameras and environment.
-pub(crate) fn scene_hash(scene: &Scene, snapshot: &Snapshot, previous: Option<&Snapshot>, environment_sampler: EnvironmentSampler) -> u64 {
+pub(crate) fn scene_hash(
+    scene: &Scene,
+    snapshot: &Snapshot,
+    previous: Option<&Snapshot>,
+    (environment_sampler, light_sampler): (EnvironmentSampler, LightSampler),
+) -> u64 {
     let mut h = StableHasher::new();
+    h.debug(&light_sampler);
     h.debug(&(&scene.materials, &scene.textures));
     for image in &scene.images {
         image_hash(&mut h, image);

@@ -39,7 +39,7 @@ pub use film::Film;
 pub use filter::Filter;
 pub use frame::{Frame, FrameImage, Pixels};
 pub use render::{Control, Progress, render, uncontrolled};
-pub use settings::{CameraChoice, EnvironmentSampler, Integrator, RussianRoulette, Settings, Stop, Strategy};
+pub use settings::{CameraChoice, EnvironmentSampler, Integrator, LightSampler, RussianRoulette, Settings, Stop, Strategy};
 pub use tracer::Tracer;
 #[cfg(test)]
 mod tests;

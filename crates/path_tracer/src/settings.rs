@@ -185,6 +185,32 @@ impl EnvironmentSampler {
     pub const ALL: [(&'static str, Self); 3] = [("cdf", Self::Cdf), ("alias", Self::Alias), ("kd", Self::Kd)];
 }
 
+/// How light sampling chooses among the lights; a choice of the [`Tracer`](crate::Tracer), which holds the tables.
+///
+/// All are unbiased and converge to the same picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum LightSampler {
+    /// A tree over all lights and emissive triangles, by how much light can arrive at the surface.    \[Estevez18]
+    #[default]
+    Bvh,
+    /// By power, wherever the surface is; a tenth of the choices ignores power, too.
+    Power,
+    /// Every light and emissive triangle alike.
+    Uniform,
+    /// Candidates by the tree, of which one is kept by how much unshadowed light it reflects to the viewer: knows gloss and colours, at the cost of a look
+    /// at each.    \[Talbot05]
+    Ris {
+        /// Number of candidates; 0 counts as 1.
+        candidates: u32,
+    },
+}
+
+impl LightSampler {
+    /// Every sampler with its name.
+    pub const ALL: [(&'static str, Self); 4] =
+        [("bvh", Self::Bvh), ("power", Self::Power), ("uniform", Self::Uniform), ("ris", Self::Ris { candidates: 4 })];
+}
+
 /// Ending of paths by chance: a path goes on with probability q, and what it finds is divided by q.    \[Arvo90]
 ///
 /// Unbiased for every q in (0, 1]; it trades noise for time.

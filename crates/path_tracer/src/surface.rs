@@ -15,6 +15,7 @@ use glam::{Vec2, Vec3};
 use kajo_bsdf::{AnyBsdf, AnyBsdfView, Bsdf, BsdfSample, LobeValues};
 use kajo_bvh::{Hit, PrimitiveRef, SurfacePoint, offset_origin};
 use kajo_sampling::Frame;
+use kajo_sampling::light_tree::Receiver;
 use kajo_scene::SurfaceMaterial;
 use kajo_units::{LinearRgb, Radians};
 use std::borrow::Cow;
@@ -146,6 +147,12 @@ impl<'a> Surface<'a> {
     #[inline]
     pub(crate) fn origin_flat(&self) -> Vec3 {
         offset_origin(self.point.position, self.geometric_normal, self.point.error)
+    }
+
+    /// Where light is looked for: above the surface, or all around where light passes it.
+    #[inline]
+    pub(crate) fn receiver(&self) -> Receiver {
+        Receiver { point: self.origin_in_front, normal: (!self.transmissive).then_some(self.geometric_normal) }
     }
 
     /// Where a ray towards `direction` starts.

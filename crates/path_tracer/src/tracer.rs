@@ -3,7 +3,7 @@
 use crate::fingerprint::scene_hash;
 use crate::lights::Lights;
 use crate::world::World;
-use crate::{Aov, CameraChoice, EnvironmentSampler, PathTracerError, Settings};
+use crate::{Aov, CameraChoice, EnvironmentSampler, LightSampler, PathTracerError, Settings};
 use kajo_scene::{PlacedCamera, Scene, Snapshot};
 use std::sync::OnceLock;
 
@@ -13,6 +13,7 @@ pub struct Tracer {
     pub(crate) lights: Lights,
     pub(crate) previous: Option<Snapshot>,
     environment_sampler: EnvironmentSampler,
+    light_sampler: LightSampler,
     hash: OnceLock<u64>,
 }
 
@@ -23,9 +24,9 @@ impl Tracer {
     /// [`PathTracerError::Bvh`] for geometry that is not finite or too much, [`PathTracerError::Environment`].
     pub fn new(scene: &Scene, snapshot: Snapshot) -> Result<Self, PathTracerError> {
         let world = World::new(scene, snapshot)?;
-        let environment_sampler = EnvironmentSampler::default();
-        let lights = Lights::new(&world, environment_sampler)?;
-        Ok(Self { world, lights, previous: None, environment_sampler, hash: OnceLock::new() })
+        let (environment_sampler, light_sampler) = (EnvironmentSampler::default(), LightSampler::default());
+        let lights = Lights::new(&world, environment_sampler, light_sampler)?;
+        Ok(Self { world, lights, previous: None, environment_sampler, light_sampler, hash: OnceLock::new() })
     }
 
     /// The same scene with another way to sample its environment; changes the noise and never the mean.
@@ -34,11 +35,21 @@ impl Tracer {
     /// [`PathTracerError::Environment`] for an image that the sampler cannot be made of.
     pub fn with_environment_sampler(mut self, sampler: EnvironmentSampler) -> Result<Self, PathTracerError> {
         if sampler != self.environment_sampler {
-            self.lights = Lights::new(&self.world, sampler)?;
+            self.lights = Lights::new(&self.world, sampler, self.light_sampler)?;
             self.environment_sampler = sampler;
             self.hash = OnceLock::new();
         }
         Ok(self)
+    }
+
+    /// The same scene with another way to choose among its lights; changes the noise and never the mean.
+    pub fn with_light_sampler(mut self, sampler: LightSampler) -> Self {
+        if sampler != self.light_sampler {
+            self.lights.select_by(&self.world, sampler);
+            self.light_sampler = sampler;
+            self.hash = OnceLock::new();
+        }
+        self
     }
 
     /// Adds the scene one frame earlier, which the image `motion` needs.
@@ -132,6 +143,7 @@ impl Tracer {
     }
 
     pub(crate) fn hash(&self) -> u64 {
-        *self.hash.get_or_init(|| scene_hash(&self.world.scene, &self.world.snapshot, self.previous.as_ref(), self.environment_sampler))
+        let samplers = (self.environment_sampler, self.light_sampler);
+        *self.hash.get_or_init(|| scene_hash(&self.world.scene, &self.world.snapshot, self.previous.as_ref(), samplers))
     }
 }

@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::UVec2;
 use kajo_image::ToneMap;
-use kajo_path_tracer::{EnvironmentSampler, Filter, Integrator};
+use kajo_path_tracer::{EnvironmentSampler, Filter, Integrator, LightSampler};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -182,6 +182,9 @@ pub struct Tracing {
     /// How directions towards an environment are drawn [default: cdf]; changes the noise, not the mean
     #[arg(long, value_parser = named(&EnvironmentSampler::ALL))]
     pub env_sampler: Option<EnvironmentSampler>,
+    /// How one of many lights is chosen [default: bvh]; changes the noise, not the mean
+    #[arg(long, value_parser = named(&LightSampler::ALL))]
+    pub light_sampler: Option<LightSampler>,
     /// Reconstruction filter [default: blackman-harris]
     #[arg(long, value_parser = named(&Filter::ALL))]
     pub filter: Option<Filter>,

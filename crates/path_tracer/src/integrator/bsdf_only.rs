@@ -18,13 +18,13 @@ impl Context<'_> {
         let mut channel = None;
         let mut absorption = LinearRgb::BLACK;
         for bounces in 0..=self.max_depth {
-            self.lights.along(ray.origin, ray.direction, hit.map_or(f32::INFINITY, |hit| hit.t), |t, seen| {
+            self.lights.along(None, ray.origin, ray.direction, hit.map_or(f32::INFINITY, |hit| hit.t), |t, seen| {
                 if t > ray.t_min {
                     sink.light(bounces, seen.light, throughput.scaled(seen.radiance * transmittance(absorption, t)));
                 }
             });
             let Some(found) = hit else {
-                self.lights.beyond(self.world, ray.direction, |seen| {
+                self.lights.beyond(self.world, None, ray.direction, |seen| {
                     sink.light(bounces, seen.light, throughput.scaled(seen.radiance));
                 });
                 return;

@@ -10,12 +10,15 @@
 
 use super::dispersion::disperse;
 use super::{Chance, Context, Sink, Split, TracedRay, open_ray, transmittance};
+use crate::lights::ChosenLight;
 use crate::settings::Strategy;
 use crate::surface::Surface;
 use glam::Vec2;
 use kajo_bsdf::{AnyBsdfView, Lobe};
 use kajo_bvh::Ray;
-use kajo_sampling::{Sampler, power_heuristic};
+use kajo_sampling::light_tree::Receiver;
+use kajo_sampling::resampling::Reservoir;
+use kajo_sampling::{Rng, Sampler, power_heuristic};
 use kajo_units::LinearRgb;
 
 /// Shadow rays end this share of their length before the light: the light must not shadow itself.
@@ -34,16 +37,18 @@ impl Context<'_> {
         // Radiance is compressed inside of denser media; roulette must not take that for darkness.
         let mut compression = 1.0;
         let mut channel = None;
+        // Where the ray comes from, if light sampling looked for light there, too.
+        let mut receiver: Option<Receiver> = None;
         loop {
             let t_max = hit.map_or(f32::INFINITY, |hit| hit.t);
-            self.lights.along(ray.origin, ray.direction, t_max, |t, seen| {
+            self.lights.along(receiver.as_ref(), ray.origin, ray.direction, t_max, |t, seen| {
                 if t > ray.t_min {
                     let value = seen.radiance * transmittance(absorption, t) * self.weight_of_ray(ray_pdf, seen.pdf);
                     sink.light(bounces, seen.light, throughput.scaled(value));
                 }
             });
             let Some(found) = hit else {
-                self.lights.beyond(self.world, ray.direction, |seen| {
+                self.lights.beyond(self.world, receiver.as_ref(), ray.direction, |seen| {
                     let value = seen.radiance * self.weight_of_ray(ray_pdf, seen.pdf);
                     sink.light(bounces, seen.light, throughput.scaled(value));
                 });
@@ -53,11 +58,8 @@ impl Context<'_> {
             let (wo, mut room) = (-ray.direction, None);
             let Some(surface) = Surface::new(self.world, &found, wo, self.settings.smooth_terminator, &mut room) else { return };
             if let Some((light, radiance)) = surface.emission(self.world, self.lights) {
-                let pdf = if ray_pdf.is_finite() {
-                    self.lights.pdf_of_surface(self.world, found.primitive_ref(), ray.origin, ray.direction, found.t)
-                } else {
-                    0.0
-                };
+                let along = (ray.origin, ray.direction, found.t);
+                let pdf = receiver.map_or(0.0, |from| self.lights.pdf_of_surface(self.world, &from, found.primitive_ref(), along));
                 sink.light(bounces, light, throughput.scaled(radiance * self.weight_of_ray(ray_pdf, pdf)));
             }
             if bounces >= self.max_depth || surface.unlit(self.world) {
@@ -83,7 +85,9 @@ impl Context<'_> {
             };
             disperse(&surface, sample.weight, &mut channel, &mut throughput, sampler);
             bounces += 1;
-            ray_pdf = if sample.lobe.is_delta() { f32::INFINITY } else { surface.pdf_of(&view, &sample, wi) };
+            let is_delta = sample.lobe.is_delta();
+            ray_pdf = if is_delta { f32::INFINITY } else { surface.pdf_of(&view, &sample, wi) };
+            receiver = (!is_delta).then(|| surface.receiver());
             compression *= sample.eta2;
             let survival = self.settings.russian_roulette.survival(bounces, compression * throughput.total().max_component());
             if survival < 1.0 {
@@ -117,35 +121,41 @@ impl Context<'_> {
         chance: &mut Chance,
         sink: &mut impl Sink,
     ) {
-        let Some(chosen) = self.lights.sample(self.world, surface.origin_in_front, choice, u) else { return };
+        let receiver = surface.receiver();
+        let candidate = |choice, u| {
+            let chosen = self.lights.sample(self.world, &receiver, choice, u)?;
+            let (f_cos, bsdf_pdf) = surface.eval(bsdf, chosen.sample.wi);
+            let value = chosen.value * transmittance(absorption, chosen.sample.distance.min(f32::MAX));
+            let share = if bounces == 0 {
+                let all = throughput.total() * value;
+                Split { diffuse: f_cos.diffuse * all, specular: f_cos.specular * all }
+            } else {
+                throughput.scaled(f_cos.total() * value)
+            };
+            let weight = match self.settings.strategy {
+                Strategy::Mis => power_heuristic(self.lights.candidates() as f32 * chosen.sample.pdf, bsdf_pdf),
+                Strategy::Lights => 1.0,
+            };
+            (!share.total().is_black()).then(|| (chosen, share.scaled(LinearRgb::splat(weight))))
+        };
+        let found = match self.lights.candidates() {
+            1 => candidate(choice, u),
+            many => resampled(many, choice, u, candidate),
+        };
+        let Some((chosen, share)) = found else { return };
         let wi = chosen.sample.wi;
-        let (f_cos, bsdf_pdf) = surface.eval(bsdf, wi);
-        let value = chosen.value * transmittance(absorption, chosen.sample.distance.min(f32::MAX));
-        let share = if bounces == 0 {
-            let all = throughput.total() * value;
-            Split { diffuse: f_cos.diffuse * all, specular: f_cos.specular * all }
-        } else {
-            throughput.scaled(f_cos.total() * value)
-        };
-        if share.total().is_black() {
-            return;
-        }
-        let weight = match self.settings.strategy {
-            Strategy::Mis => power_heuristic(chosen.sample.pdf, bsdf_pdf),
-            Strategy::Lights => 1.0,
-        };
         let t_max = chosen.sample.distance * BEFORE_LIGHT;
         let ray = Ray { origin: surface.origin_towards(self.world, wi), t_min: 0.0, direction: wi, t_max };
         if !self.world.occluded(&ray, chosen.primitive, chance.next()) {
-            sink.light(bounces + 1, chosen.light, share.scaled(LinearRgb::splat(weight)));
+            sink.light(bounces + 1, chosen.light, share);
         }
     }
 
-    /// Weight of light that a ray of density `ray_pdf` met and that light sampling finds with `light_pdf`.
+    /// Weight of light that a ray of density `ray_pdf` met and of which light sampling finds each candidate with `light_pdf`.
     #[inline]
     fn weight_of_ray(&self, ray_pdf: f32, light_pdf: f32) -> f32 {
         match self.settings.strategy {
-            Strategy::Mis => power_heuristic(ray_pdf, light_pdf),
+            Strategy::Mis => power_heuristic(ray_pdf, self.lights.candidates() as f32 * light_pdf),
             Strategy::Lights => f32::from(u8::from(ray_pdf == f32::INFINITY || light_pdf == 0.0)),
         }
     }
@@ -157,4 +167,26 @@ impl Context<'_> {
             Strategy::Lights => ray_pdf == f32::INFINITY || self.lights.only_met,
         }
     }
+}
+
+/// One of many candidates, by how much unshadowed light each brings: resampling in the space of the random numbers, where their density is 1. They
+/// are spread evenly, the choices by steps of 1/M, the points by the R2 sequence \[Roberts18], shifted by `choice` and `u`.
+#[inline(never)]
+fn resampled(
+    many: u32,
+    choice: f32,
+    u: Vec2,
+    candidate: impl Fn(f32, Vec2) -> Option<(ChosenLight, Split)>,
+) -> Option<(ChosenLight, Split)> {
+    const R2: Vec2 = Vec2::new(0.754_877_7, 0.569_840_3);
+    let mut random = Rng::new(u64::from(choice.to_bits()) << 32 ^ u64::from(u.x.to_bits()) ^ u64::from(u.y.to_bits()) << 16);
+    let mut reservoir = Reservoir::new();
+    for i in 0..many {
+        let shifted = (choice + i as f32 / many as f32).fract();
+        let found = candidate(shifted, (u + i as f32 * R2).fract());
+        let target = found.as_ref().map_or(0.0, |(_, share)| share.total().luminance());
+        reservoir.offer(found, target, 1.0, random.next_f64());
+    }
+    let (chosen, share) = (*reservoir.sample()?)?;
+    Some((chosen, share.scaled(LinearRgb::splat(reservoir.contribution_weight()))))
 }

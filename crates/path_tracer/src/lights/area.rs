@@ -6,6 +6,7 @@
 use super::LightSample;
 use glam::{Affine3A, Vec2, Vec3};
 use kajo_bvh::Aabb;
+use kajo_sampling::light_tree::EmitterBounds;
 use kajo_sampling::warp::{LightSphere, Rectangle, concentric_disk};
 use kajo_units::LinearRgb;
 use std::f32::consts::PI;
@@ -57,6 +58,19 @@ impl AreaLight {
             Shape::Sphere { radius, .. } => 4.0 * PI * radius * radius,
         };
         PI * area * self.radiance.luminance()
+    }
+
+    /// What a light tree knows of it.
+    pub(crate) fn emitter_bounds(&self) -> EmitterBounds {
+        let Aabb { min, max } = self.bounds();
+        let luminance = self.radiance.luminance();
+        let base = EmitterBounds { min, max, cos_emission: 0.0, ..EmitterBounds::NONE };
+        match self.shape {
+            Shape::Rectangle { normal, area, .. } | Shape::Disk { normal, area, .. } => {
+                EmitterBounds { axis: normal, intensity: luminance * area, ..base }
+            }
+            Shape::Sphere { radius, .. } => EmitterBounds { cos_normals: -1.0, intensity: luminance * PI * radius * radius, ..base },
+        }
     }
 
     pub(crate) fn bounds(&self) -> Aabb {

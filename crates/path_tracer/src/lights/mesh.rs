@@ -1,4 +1,4 @@
-//! Emissive meshes: a triangle is chosen by its power, a point on it by solid angle.
+//! Emissive meshes: a point on a chosen triangle, by solid angle.
 
 use super::LightSample;
 use super::area::towards_area;
@@ -14,7 +14,7 @@ use kajo_units::LinearRgb;
 #[derive(Clone, Debug)]
 pub(crate) struct MeshLight {
     instance: u32,
-    /// Chooses among the triangles.
+    /// Chooses among the triangles by power.
     triangles: AliasTable,
     /// For each triangle the share of its choices that makes the rest go by emission; empty where they do already.
     keep: Vec<f32>,
@@ -56,10 +56,13 @@ impl MeshLight {
         self.power
     }
 
-    /// A direction towards a point of the mesh, and the triangle it lies on.
-    pub(crate) fn sample(&self, world: &World, from: Vec3, choice: f32, u: Vec2) -> Option<(LightSample, PrimitiveRef)> {
-        let (triangle, pmf, _) = self.triangles.sample(choice);
-        let primitive = triangle as u32;
+    /// The triangles by their power.
+    pub(crate) fn triangles(&self) -> &AliasTable {
+        &self.triangles
+    }
+
+    /// A direction towards a point of a triangle.
+    pub(crate) fn sample(&self, world: &World, from: Vec3, primitive: u32, u: Vec2) -> Option<(LightSample, PrimitiveRef)> {
         let placed = &world.instances[self.instance as usize];
         let corners = placed.world_triangle(primitive);
         let normal = self.facing_normal(world, corners, from)?;
@@ -73,7 +76,6 @@ impl MeshLight {
             let w = triangle_barycentrics(u);
             towards_area(from, a * w.x + b * w.y + c * w.z, normal, area_of(corners))
         };
-        let pdf = pmf * pdf;
         if !(pdf > 0.0 && pdf.is_finite() && distance > 0.0) {
             return None;
         }
@@ -81,18 +83,17 @@ impl MeshLight {
         Some((LightSample { wi, distance, radiance, pdf }, PrimitiveRef { instance: self.instance, primitive }))
     }
 
-    /// Density per solid angle of [`MeshLight::sample`] at a point of `primitive` seen from `from`.
+    /// Density per solid angle of [`MeshLight::sample`] at a point of the triangle seen from `from`.
     pub(crate) fn pdf(&self, world: &World, primitive: u32, from: Vec3, direction: Vec3, distance: f32) -> f32 {
         let corners = world.instances[self.instance as usize].world_triangle(primitive);
         let seen = SphericalTriangle::new(from, corners);
-        let pdf = if seen.solid_angle() > BY_SOLID_ANGLE {
+        if seen.solid_angle() > BY_SOLID_ANGLE {
             seen.pdf()
         } else {
             let [a, b, c] = corners;
             let normal = (b - a).cross(c - a).normalize_or_zero();
             super::area::pdf_from_area(distance, normal.dot(direction).abs(), area_of(corners))
-        };
-        self.triangles.pmf(primitive as usize) * pdf
+        }
     }
 
     /// A point of the part that faces `from`, chosen by emission: the measure of `visibility.<light>`. `None` where nothing was found to

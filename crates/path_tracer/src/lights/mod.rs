@@ -1,25 +1,27 @@
 //! All lights of a scene: choosing one, sampling a direction towards it, and the density of that for a direction found otherwise.
 //!
-//! A light is chosen with probability 0.9 · (share of the estimated power) + 0.1 / count, so that every light is found; then a point of it.
-//! The constant environment is not in the table: sampling the BSDF alone is the better strategy for it, with weight 1.
+//! A light is chosen, of a mesh a triangle, then a point of it; how is the subject of [`selection`]. The constant environment is never chosen:
+//! sampling the BSDF alone is the better strategy for it, with weight 1.
 
 mod area;
 mod environment;
 mod mesh;
 mod punctual;
+mod selection;
 mod shape_tree;
 
 use crate::world::World;
-use crate::{EnvironmentSampler, PathTracerError};
+use crate::{EnvironmentSampler, LightSampler, PathTracerError};
 use area::AreaLight;
 use environment::EnvironmentLight;
 use glam::{Vec2, Vec3};
 use kajo_bvh::PrimitiveRef;
-use kajo_sampling::AliasTable;
-use kajo_scene::{LightShape, PlacedLight};
+use kajo_sampling::light_tree::Receiver;
+use kajo_scene::{EmissiveMesh, LightShape, PlacedLight};
 use kajo_units::LinearRgb;
 use mesh::MeshLight;
 use punctual::{DirectionalLight, PointLight, SpotCone};
+use selection::{Chosen, Selection};
 use shape_tree::ShapeTree;
 
 /// A direction towards a light.
@@ -54,7 +56,7 @@ pub(crate) struct SeenLight {
     /// Index into [`Lights::names`].
     pub light: u32,
     pub radiance: LinearRgb,
-    /// Density with which [`Lights::sample`] finds this direction from the ray's origin.
+    /// Density with which [`Lights::sample`] finds this direction for the receiver that the ray comes from; 0 without one.
     pub pdf: f32,
 }
 
@@ -88,7 +90,7 @@ pub(crate) struct Lights {
     pub names: Vec<String>,
     /// Number of analytic lights.
     pub analytic: usize,
-    choice: Option<AliasTable>,
+    selection: Selection,
     /// Area lights that rays meet.
     shapes: ShapeTree,
     /// Lights that rays meet where they leave the scene.
@@ -103,21 +105,18 @@ pub(crate) struct Lights {
 
 const NO_LIGHT: u32 = u32::MAX;
 
-/// Share of choices that ignores power: estimates of power know nothing of distance and shadows.
-const UNIFORM_CHOICE: f32 = 0.1;
-
 impl Lights {
     /// The lights of a world.
     ///
     /// # Errors
     /// [`PathTracerError::Environment`] for an image that the sampler cannot be made of.
-    pub(crate) fn new(world: &World, environment_sampler: EnvironmentSampler) -> Result<Self, PathTracerError> {
+    pub(crate) fn new(world: &World, environment_sampler: EnvironmentSampler, by: LightSampler) -> Result<Self, PathTracerError> {
         let scene = &world.scene;
         let mut lights = Self {
             emitters: Vec::new(),
             names: Vec::new(),
             analytic: world.snapshot.lights.len(),
-            choice: None,
+            selection: Selection::default(),
             shapes: ShapeTree::default(),
             at_infinity: Vec::new(),
             light_of_instance: vec![NO_LIGHT; world.instances.len()],
@@ -127,9 +126,8 @@ impl Lights {
         let emissive = world.snapshot.emissive_meshes(scene);
         let names = world.snapshot.light_names(scene, &emissive);
         let meshes = emissive.iter().map(|mesh| Emitter::Mesh(MeshLight::new(mesh)));
-        for (name, emitter) in names.into_iter().zip(world.snapshot.lights.iter().map(analytic).chain(meshes)) {
-            lights.push(name, emitter);
-        }
+        lights.emitters = world.snapshot.lights.iter().map(analytic).chain(meshes).collect();
+        lights.names = names;
         for (index, mesh) in emissive.iter().enumerate() {
             lights.light_of_instance[mesh.instance] = (lights.analytic + index) as u32;
         }
@@ -145,8 +143,18 @@ impl Lights {
                 lights.light_of_instance[instance] = light;
             }
         }
-        lights.index(world);
+        lights.index();
+        lights.select(world, by, &emissive);
         Ok(lights)
+    }
+
+    /// Chooses lights in another way from now on.
+    pub(crate) fn select_by(&mut self, world: &World, by: LightSampler) {
+        self.select(world, by, &world.snapshot.emissive_meshes(&world.scene));
+    }
+
+    fn select(&mut self, world: &World, by: LightSampler, emissive: &[EmissiveMesh]) {
+        self.selection = Selection::new(by, &self.emitters, world, emissive);
     }
 
     /// The light of that name; with `visible`, only those that have an image `visibility.<light>`.
@@ -180,18 +188,8 @@ impl Lights {
         self.emitters[light].power(world).unwrap_or(0.0)
     }
 
-    /// Fills the tables over all emitters.
-    fn index(&mut self, world: &World) {
-        let powers: Vec<Option<f32>> = self.emitters.iter().map(|emitter| emitter.power(world)).collect();
-        let count = powers.iter().flatten().count();
-        let total: f32 = powers.iter().flatten().sum();
-        let weight = |power: &Option<f32>| match power {
-            None => 0.0,
-            Some(_) if total.is_nan() || total <= 0.0 => 1.0,
-            Some(power) => (1.0 - UNIFORM_CHOICE) * power / total + UNIFORM_CHOICE / count as f32,
-        };
-        let weights: Vec<f32> = powers.iter().map(weight).collect();
-        self.choice = AliasTable::new(&weights).filter(|_| count > 0);
+    /// Fills the lists of what rays meet.
+    fn index(&mut self) {
         self.only_met = self.emitters.iter().any(|emitter| matches!(emitter, Emitter::Environment(None) | Emitter::Unlit));
         self.can_be_met = self.emitters.iter().any(Emitter::can_be_met);
         let mut boxes = Vec::new();
@@ -206,38 +204,53 @@ impl Lights {
         self.shapes = ShapeTree::new(&boxes);
     }
 
-    /// Probability of choosing `light`.
-    fn probability(&self, light: u32) -> f32 {
-        self.choice.as_ref().map_or(0.0, |choice| choice.pmf(light as usize))
+    /// How many candidates light sampling draws, of which it keeps one.
+    #[inline]
+    pub(crate) fn candidates(&self) -> u32 {
+        self.selection.candidates()
     }
 
-    /// A direction towards some light from `from`. `None` when the chosen light does not shine there.
+    /// A direction towards some light. `None` when the chosen light does not shine there.
     #[inline]
-    pub(crate) fn sample(&self, world: &World, from: Vec3, choice: f32, u: Vec2) -> Option<ChosenLight> {
-        let (light, probability, rest) = self.choice.as_ref()?.sample(choice);
-        let (mut sample, primitive) = match &self.emitters[light] {
+    pub(crate) fn sample(&self, world: &World, receiver: &Receiver, choice: f32, u: Vec2) -> Option<ChosenLight> {
+        let Chosen { light, triangle, pmf, rest } = self.selection.choose(&self.emitters, receiver, choice, u)?;
+        let from = receiver.point;
+        let (mut sample, primitive) = match &self.emitters[light as usize] {
             Emitter::Point(point) => (point.sample(from)?, None),
             Emitter::Directional(directional) => (directional.sample(u), None),
             Emitter::Area(area) => (area.sample(from, u)?, None),
             Emitter::Mesh(mesh) => {
-                let (sample, primitive) = mesh.sample(world, from, rest, u)?;
+                let (sample, primitive) = mesh.sample(world, from, triangle, u)?;
                 (sample, Some(primitive))
             }
             Emitter::Environment(light) => (light.as_ref()?.sample(world.scene.environment.as_ref()?, rest, u)?, None),
             Emitter::Unlit => return None,
         };
         let value = if sample.pdf.is_finite() {
-            sample.pdf *= probability;
+            sample.pdf *= pmf;
             sample.radiance / sample.pdf
         } else {
-            sample.radiance / probability
+            sample.radiance / pmf
         };
-        Some(ChosenLight { light: light as u32, sample, value, primitive })
+        Some(ChosenLight { light, sample, value, primitive })
+    }
+
+    /// Probability of choosing a light for the receiver; 0 without one.
+    #[inline]
+    fn probability(&self, receiver: Option<&Receiver>, light: u32) -> f32 {
+        receiver.map_or(0.0, |receiver| self.selection.pmf(&self.emitters, receiver, light, 0))
     }
 
     /// The analytic area lights that a ray passes before `t_max`.
     #[inline]
-    pub(crate) fn along(&self, origin: Vec3, direction: Vec3, t_max: f32, mut see: impl FnMut(f32, SeenLight)) {
+    pub(crate) fn along(
+        &self,
+        receiver: Option<&Receiver>,
+        origin: Vec3,
+        direction: Vec3,
+        t_max: f32,
+        mut see: impl FnMut(f32, SeenLight),
+    ) {
         if self.shapes.is_empty() {
             return;
         }
@@ -246,22 +259,26 @@ impl Lights {
             if let Some((t, radiance)) = area.seen_along(origin, direction)
                 && t < t_max
             {
-                see(t, SeenLight { light, radiance, pdf: self.probability(light) * area.pdf(origin, direction, t) });
+                let pdf = receiver.map_or(0.0, |_| self.probability(receiver, light) * area.pdf(origin, direction, t));
+                see(t, SeenLight { light, radiance, pdf });
             }
         });
     }
 
     /// What a ray meets that leaves the scene.
-    pub(crate) fn beyond(&self, world: &World, direction: Vec3, mut see: impl FnMut(SeenLight)) {
+    pub(crate) fn beyond(&self, world: &World, receiver: Option<&Receiver>, direction: Vec3, mut see: impl FnMut(SeenLight)) {
         for &light in &self.at_infinity {
             match (&self.emitters[light as usize], &world.scene.environment) {
                 (Emitter::Directional(directional), _) => {
                     if let Some((radiance, pdf)) = directional.seen_along(direction) {
-                        see(SeenLight { light, radiance, pdf: self.probability(light) * pdf });
+                        see(SeenLight { light, radiance, pdf: self.probability(receiver, light) * pdf });
                     }
                 }
                 (Emitter::Environment(table), Some(environment)) => {
-                    let pdf = table.as_ref().map_or(0.0, |table| self.probability(light) * table.pdf(environment, direction));
+                    let pdf = match (table, receiver) {
+                        (Some(table), Some(_)) => self.probability(receiver, light) * table.pdf(environment, direction),
+                        _ => 0.0,
+                    };
                     see(SeenLight { light, radiance: environment.radiance(direction), pdf });
                 }
                 _ => {}
@@ -269,11 +286,21 @@ impl Lights {
         }
     }
 
-    /// Density with which [`Lights::sample`] finds a point of an instance's triangle; 0 for instances that are no light.
-    pub(crate) fn pdf_of_surface(&self, world: &World, primitive: PrimitiveRef, from: Vec3, direction: Vec3, distance: f32) -> f32 {
+    /// Density with which [`Lights::sample`] finds a point of an instance's triangle for the receiver, `distance` away from `from` in `direction`; 0 for
+    /// instances that are no light.
+    pub(crate) fn pdf_of_surface(
+        &self,
+        world: &World,
+        receiver: &Receiver,
+        primitive: PrimitiveRef,
+        (from, direction, distance): (Vec3, Vec3, f32),
+    ) -> f32 {
         let light = self.light_of_instance[primitive.instance as usize];
         match self.emitters.get(light as usize) {
-            Some(Emitter::Mesh(mesh)) => self.probability(light) * mesh.pdf(world, primitive.primitive, from, direction, distance),
+            Some(Emitter::Mesh(mesh)) => {
+                let pmf = self.selection.pmf(&self.emitters, receiver, light, primitive.primitive);
+                pmf * mesh.pdf(world, primitive.primitive, from, direction, distance)
+            }
             _ => 0.0,
         }
     }

@@ -2,6 +2,7 @@
 
 use super::LightSample;
 use glam::{Vec2, Vec3};
+use kajo_sampling::light_tree::EmitterBounds;
 use kajo_sampling::{Frame, warp::Cone};
 use kajo_units::LinearRgb;
 use std::f32::consts::PI;
@@ -50,6 +51,15 @@ impl PointLight {
         let falloff = self.cone.map_or(1.0, |cone| cone.falloff(-wi));
         let radiance = self.intensity * (falloff / distance2);
         (falloff > 0.0).then_some(LightSample { wi, distance, radiance, pdf: f32::INFINITY })
+    }
+
+    /// What a light tree knows of it.
+    pub(crate) fn emitter_bounds(&self) -> EmitterBounds {
+        let everywhere = EmitterBounds::point(self.position, self.intensity.luminance());
+        match self.cone {
+            None => everywhere,
+            Some(cone) => EmitterBounds { axis: cone.axis, cos_normals: 1.0, cos_emission: cone.cos_outer, ..everywhere },
+        }
     }
 
     /// Flux, W: 4π I, or for a spot that of a cone halfway between the inner and the outer one.

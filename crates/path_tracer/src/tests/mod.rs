@@ -9,6 +9,7 @@ mod environment;
 mod estimators;
 mod furnace;
 mod leaks;
+mod many_lights;
 mod models;
 mod rays;
 pub(crate) mod scenes;

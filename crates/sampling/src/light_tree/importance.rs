@@ -2,7 +2,7 @@
 
 use super::WIDTH;
 use super::bounds::EmitterBounds;
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec3, Vec4};
 
 /// Where light is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,106 +30,137 @@ const SLACK: f32 = 1e-3;
 /// Squared distance, m², below which a point light counts as this far: its intensity over less would leave the range of f32.
 const NEAREST2: f32 = 1e-20;
 
-/// Bounds of up to eight children, coordinate by coordinate, so that one instruction handles four or eight of them.
+/// Share of r² that distances to a cluster are longer by.
+const WIDTH_OF_CLUSTER: f32 = 0.25;
+
+/// Share of the greatest cosine at the receiver; the rest is that of the cluster's middle.
+const BOUND: f32 = 0.25;
+
+/// Numbers of this many children are handled by one instruction.
+const QUAD: usize = 4;
+
+/// One number for each child.
+type Row = [Vec4; WIDTH / QUAD];
+
+/// Bounds of up to eight children, coordinate by coordinate.
 #[derive(Clone, Debug)]
-#[repr(C, align(64))]
 pub(super) struct Lanes {
-    center: [[f32; WIDTH]; 3],
-    half: [[f32; WIDTH]; 3],
-    axis: [[f32; WIDTH]; 3],
-    cos_normals: [f32; WIDTH],
-    sin_normals: [f32; WIDTH],
-    cos_emission: [f32; WIDTH],
+    center: [Row; 3],
+    half: [Row; 3],
+    axis: [Row; 3],
+    cos_normals: Row,
+    sin_normals: Row,
+    cos_emission: Row,
     /// 1 where normals have twins, else 0.
-    two_sided: [f32; WIDTH],
-    intensity: [f32; WIDTH],
+    two_sided: Row,
+    intensity: Row,
 }
 
 impl Lanes {
-    pub(super) const EMPTY: Self = Self {
-        center: [[0.0; WIDTH]; 3],
-        half: [[0.0; WIDTH]; 3],
-        axis: [[0.0; WIDTH]; 3],
-        cos_normals: [1.0; WIDTH],
-        sin_normals: [0.0; WIDTH],
-        cos_emission: [1.0; WIDTH],
-        two_sided: [0.0; WIDTH],
-        intensity: [0.0; WIDTH],
+    pub(super) const EMPTY: Self = {
+        let (zero, one) = ([Vec4::ZERO; 2], [Vec4::ONE; 2]);
+        Self {
+            center: [zero; 3],
+            half: [zero; 3],
+            axis: [zero; 3],
+            cos_normals: one,
+            sin_normals: zero,
+            cos_emission: one,
+            two_sided: zero,
+            intensity: zero,
+        }
     };
 
     pub(super) fn set(&mut self, lane: usize, bounds: &EmitterBounds) {
+        let put = |row: &mut Row, value: f32| row[lane / QUAD][lane % QUAD] = value;
         let center = bounds.center();
         // A box that holds the one of the bounds in spite of the rounding of its middle.
         let half = (bounds.max - center).max(center - bounds.min) + f32::EPSILON * center.abs();
         for k in 0..3 {
-            self.center[k][lane] = center[k];
-            self.half[k][lane] = half[k];
-            self.axis[k][lane] = bounds.axis[k];
+            put(&mut self.center[k], center[k]);
+            put(&mut self.half[k], half[k]);
+            put(&mut self.axis[k], bounds.axis[k]);
         }
-        self.cos_normals[lane] = bounds.cos_normals;
-        self.sin_normals[lane] = (1.0 - bounds.cos_normals * bounds.cos_normals).max(0.0).sqrt();
-        self.cos_emission[lane] = bounds.cos_emission;
-        self.two_sided[lane] = f32::from(u8::from(bounds.two_sided));
-        self.intensity[lane] = if bounds.intensity > 0.0 && bounds.intensity.is_finite() { bounds.intensity } else { 0.0 };
+        put(&mut self.cos_normals, bounds.cos_normals);
+        put(&mut self.sin_normals, (1.0 - bounds.cos_normals * bounds.cos_normals).max(0.0).sqrt());
+        put(&mut self.cos_emission, bounds.cos_emission);
+        put(&mut self.two_sided, f32::from(u8::from(bounds.two_sided)));
+        put(&mut self.intensity, if bounds.intensity > 0.0 && bounds.intensity.is_finite() { bounds.intensity } else { 0.0 });
     }
 
-    pub(super) fn intensities(&self) -> &[f32; WIDTH] {
-        &self.intensity
+    pub(super) fn intensities(&self) -> [f32; WIDTH] {
+        gathered(self.intensity)
     }
 
     /// Estimated irradiance of each child, W/m².
     #[inline]
     pub(super) fn importance(&self, receiver: &Receiver) -> [f32; WIDTH] {
-        match receiver.normal {
-            Some(normal) => self.estimate::<true>(receiver.point, normal),
-            None => self.estimate::<false>(receiver.point, Vec3::ZERO),
-        }
+        gathered(match receiver.normal {
+            Some(normal) => [0, 1].map(|quad| self.estimate::<true>(quad, receiver.point, normal)),
+            None => [0, 1].map(|quad| self.estimate::<false>(quad, receiver.point, Vec3::ZERO)),
+        })
     }
 
     /// ```text
-    /// I cos θ' cos θi' / max(d², r²),    θ' = max(0, θ − θo − θu),    θi' = max(0, θi − θu);    0 where θ' > θe          [Estevez18] eq. 3
+    /// I cos θ' (¼ cos θi' + ¾ max(0, cos θi)) / (d² + ¼ r²),    θ' = max(0, θ − θo − θu),    θi' = max(0, θi − θu);    0 where θ' > θe
     /// ```
     ///
     /// d is the distance of the middle, r the radius of the box and θu = asin(r/d) the angle it fills, θ the angle at the cluster and θi that at
-    /// the receiver. Tighter than the paper: a box wholly below the horizon of the receiver, or a plane that wholly turns its back, has none.
+    /// the receiver. Deviations from \[Estevez18] eq. 3, which has I cos θ' cos θi' / d²: the bound cos θi' alone is far above the mean of a wide cluster, and so
+    /// is 1/d² inside of it (docs/decisions/0004-light-bvh.md has the measurements). And bounds are tighter: a box wholly below the horizon of the receiver,
+    /// or a plane that wholly turns its back, has no importance.
     #[inline(always)]
-    fn estimate<const NORMAL: bool>(&self, point: Vec3, normal: Vec3) -> [f32; WIDTH] {
-        let mut out = [0.0; WIDTH];
-        for (i, out) in out.iter_mut().enumerate() {
-            let (dx, dy, dz) = (point.x - self.center[0][i], point.y - self.center[1][i], point.z - self.center[2][i]);
-            let (hx, hy, hz) = (self.half[0][i], self.half[1][i], self.half[2][i]);
-            let (ax, ay, az) = (self.axis[0][i], self.axis[1][i], self.axis[2][i]);
-            let (d2, r2) = (dx * dx + dy * dy + dz * dz, hx * hx + hy * hy + hz * hz);
-            let reach2 = d2.max(r2).max(NEAREST2);
-            let inverse = 1.0 / d2.max(NEAREST2).sqrt();
-            let sin_u2 = r2 / reach2;
-            let (sin_u, cos_u) = (sin_u2.sqrt(), (1.0 - sin_u2).sqrt());
+    fn estimate<const NORMAL: bool>(&self, quad: usize, point: Vec3, normal: Vec3) -> Vec4 {
+        let one = Vec4::ONE;
+        let quads = |rows: &[Row; 3]| rows.map(|row| row[quad]);
+        let dot = |a: [Vec4; 3], b: [Vec4; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let (center, half, axis) = (quads(&self.center), quads(&self.half), quads(&self.axis));
+        let d = [point.x - center[0], point.y - center[1], point.z - center[2]];
+        let (d2, r2) = (dot(d, d), dot(half, half));
+        let nearest2 = d2.max(Vec4::splat(NEAREST2));
+        let reach2 = nearest2.max(r2);
+        let inverse = one / roots(nearest2);
+        let inside = d2.cmple(r2);
+        let sin_u2 = r2 / reach2;
+        let (sin_u, cos_u) = (roots(sin_u2), roots(one - sin_u2));
+        // cos max(0, θ − θu)
+        let seen_wider = |cos: Vec4, sin: Vec4| Vec4::select(inside | cos.cmpge(cos_u), one, cos * cos_u + sin * sin_u);
 
-            let along = dx * ax + dy * ay + dz * az;
-            let cos = (along * inverse).clamp(-1.0, 1.0);
-            let cos = if self.two_sided[i] > 0.0 { cos.abs() } else { cos };
-            let sin = (1.0 - cos * cos).sqrt();
-            let (cos_o, sin_o) = (self.cos_normals[i], self.sin_normals[i]);
-            let in_normals = cos >= cos_o;
-            let cos_1 = if in_normals { 1.0 } else { cos * cos_o + sin * sin_o };
-            let sin_1 = if in_normals { 0.0 } else { sin * cos_o - cos * sin_o };
-            let cos_2 = if cos_1 >= cos_u || d2 <= r2 { 1.0 } else { cos_1 * cos_u + sin_1 * sin_u };
-            // Height of the receiver over the lowest plane of a flat cluster.
-            let height = along + ax.abs() * hx + ay.abs() * hy + az.abs() * hz;
-            let flat_and_behind = (cos_o >= 1.0) & (self.two_sided[i] == 0.0) & (self.cos_emission[i] >= 0.0) & (height < 0.0);
-            let shines = (cos_2 >= self.cos_emission[i] - SLACK) & !flat_and_behind;
+        let along = dot(d, axis);
+        let cos = (along * inverse).clamp(-one, one);
+        let twins = self.two_sided[quad].cmpgt(Vec4::ZERO);
+        let cos = Vec4::select(twins, cos.abs(), cos);
+        let sin = roots(one - cos * cos);
+        let (cos_o, sin_o, cos_e) = (self.cos_normals[quad], self.sin_normals[quad], self.cos_emission[quad]);
+        let in_normals = cos.cmpge(cos_o);
+        let from_normals = Vec4::select(in_normals, one, cos * cos_o + sin * sin_o);
+        let sin_from_normals = Vec4::select(in_normals, Vec4::ZERO, sin * cos_o - cos * sin_o);
+        let cos_light = seen_wider(from_normals, sin_from_normals);
+        // Height of the receiver over the lowest plane of a flat cluster.
+        let height = along + dot(axis.map(Vec4::abs), half);
+        let behind = height.cmplt(Vec4::ZERO) & cos_o.cmpge(one) & cos_e.cmpge(Vec4::ZERO) & !twins;
+        let mut lit = cos_light.cmpge(cos_e - SLACK) & !behind;
+        let mut value = self.intensity[quad] * cos_light.max(Vec4::splat(SLACK)) / (nearest2 + WIDTH_OF_CLUSTER * r2);
 
-            let (mut cos_i, mut above) = (1.0, true);
-            if NORMAL {
-                let up = -(dx * normal.x + dy * normal.y + dz * normal.z);
-                let cos = (up * inverse).clamp(-1.0, 1.0);
-                let sin = (1.0 - cos * cos).sqrt();
-                cos_i = if cos >= cos_u || d2 <= r2 { 1.0 } else { cos * cos_u + sin * sin_u };
-                above = up + normal.x.abs() * hx + normal.y.abs() * hy + normal.z.abs() * hz >= 0.0;
-            }
-            let value = self.intensity[i] * cos_2.max(SLACK) * cos_i.max(SLACK) / reach2;
-            *out = if shines & above { value } else { 0.0 };
+        if NORMAL {
+            let normals = normal.to_array().map(Vec4::splat);
+            let up = -dot(d, normals);
+            let cos = (up * inverse).clamp(-one, one);
+            let bound = seen_wider(cos, roots(one - cos * cos));
+            lit &= (up + dot(normals.map(Vec4::abs), half)).cmpge(Vec4::ZERO);
+            value *= (BOUND * bound + (1.0 - BOUND) * cos.max(Vec4::ZERO)).max(Vec4::splat(SLACK));
         }
-        out
+        Vec4::select(lit, value, Vec4::ZERO)
     }
+}
+
+#[inline(always)]
+fn roots(x: Vec4) -> Vec4 {
+    Vec4::from_array(x.to_array().map(f32::sqrt))
+}
+
+#[inline(always)]
+fn gathered(row: Row) -> [f32; WIDTH] {
+    let [a, b] = row.map(|quad| quad.to_array());
+    [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]]
 }

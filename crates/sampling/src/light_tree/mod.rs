@@ -107,6 +107,9 @@ impl LightTree {
     /// One emitter under a node; `None` where `may_end` and no child of the node can contribute.
     #[inline]
     fn descend(&self, mut node: usize, receiver: &Receiver, mut u: f64, may_end: bool) -> Option<LightChoice> {
+        if let [0] = self.slots[..] {
+            return Some(LightChoice { index: 0, pmf: 1.0, rest: u });
+        }
         let (mut pmf, mut may_end) = (1.0, may_end);
         loop {
             let (weights, total) = self.nodes.get(node)?.weights(receiver, may_end)?;
@@ -131,8 +134,8 @@ impl LightTree {
     #[inline]
     fn ascend(&self, receiver: &Receiver, index: usize, may_end: bool) -> f32 {
         let mut slot = self.slots[index];
-        if slot == NONE {
-            return 0.0;
+        if slot == NONE || self.emitters.len() == 1 {
+            return if slot == NONE { 0.0 } else { 1.0 };
         }
         let mut pmf = 1.0;
         while slot != NONE && pmf > 0.0 {
@@ -155,7 +158,7 @@ impl Node {
         if total > 0.0 {
             return Some((weights, total));
         }
-        let weights = *self.lanes.intensities();
+        let weights = self.lanes.intensities();
         let total: f32 = weights.iter().sum();
         (!may_end && total > 0.0).then_some((weights, total))
     }

@@ -2,6 +2,7 @@
 
 mod chair_room;
 mod cornell;
+mod embers;
 mod furnace;
 mod glossy_floor;
 mod many_lights;
@@ -56,6 +57,7 @@ const ALL: &[BuiltinScene] = &[
     glossy_floor::SCENE,
     chair_room::SCENE,
     many_lights::SCENE,
+    embers::SCENE,
     two_rooms::SCENE,
     moving::SCENE,
     terrain::SCENE,
@@ -172,5 +174,18 @@ mod tests {
     fn lamps_share_one_power() {
         let power = |n: u32| load(&format!("many-lights:{n}")).unwrap().lights.iter().map(|l| l.emission.luminance()).sum::<f32>();
         assert!((power(10) / power(1000) - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn embers_are_counted_and_share_one_power() {
+        let lights = |n: u32| {
+            let scene = load(&format!("embers:{n}")).unwrap();
+            crate::Snapshot::new(&scene, kajo_units::Seconds(0.0)).emissive_meshes(&scene)
+        };
+        for n in [1, 24, 26, 1000] {
+            assert_eq!(lights(n).iter().map(|light| light.shares.len()).sum::<usize>(), n as usize);
+        }
+        let power = |n| lights(n).iter().map(crate::EmissiveMesh::power).sum::<f32>();
+        assert!((power(10) / power(1000) - 1.0).abs() < 1e-2, "{} and {}", power(10), power(1000));
     }
 }

@@ -47,6 +47,7 @@ fn check(arguments: &Render) -> Outcome {
         ("--threads", tracing.threads.is_some()),
         ("--sampler", tracing.sampler.is_some()),
         ("--env-sampler", tracing.env_sampler.is_some()),
+        ("--light-sampler", tracing.light_sampler.is_some()),
         ("--filter", tracing.filter.is_some()),
     ];
     if let Some((flag, _)) = reference_only.iter().find(|(_, given)| *given && arguments.renderer == RendererChoice::Realtime) {

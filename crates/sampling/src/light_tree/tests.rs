@@ -263,7 +263,7 @@ fn meshes() -> (Vec<Arc<LightTree>>, TwoLevelTree) {
 
 fn place(index: usize, lift: f32) -> Affine3A {
     let angle = index as f32 * TAU / 100.0;
-    let scale = Vec3::splat(0.2) * if index % 3 == 0 { Vec3::new(1.0, 1.0, -1.0) } else { Vec3::ONE };
+    let scale = Vec3::splat(0.2) * if index.is_multiple_of(3) { Vec3::new(1.0, 1.0, -1.0) } else { Vec3::ONE };
     Affine3A::from_scale_rotation_translation(scale, Quat::from_rotation_x(angle), Vec3::new(9.0 * angle.cos(), lift, 9.0 * angle.sin()))
 }
 

@@ -39,7 +39,9 @@ impl Ray {
     /// Whether the ray can hit anything at all.
     #[inline(always)]
     pub(crate) fn is_usable(&self) -> bool {
-        let (origin, direction) = (Vec3A::from(self.origin).abs(), Vec3A::from(self.direction).abs());
+        // Whole loads; the fourth lanes mean nothing.
+        let origin = Vec3A::from_vec4(self.origin.extend(self.t_min)).abs();
+        let direction = Vec3A::from_vec4(self.direction.extend(self.t_max)).abs();
         // Comparisons with NaN are false.
         let finite = origin.cmple(Vec3A::splat(MAX_COORDINATE)) & direction.cmple(Vec3A::MAX);
         finite.all() && direction.max_element() > 0.0 && self.t_min < self.t_max

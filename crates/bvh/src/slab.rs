@@ -28,6 +28,8 @@ pub struct SlabRay {
     /// Where the near and the far planes of each axis start among the floats of a [`Node`](crate::wide::Node): multiples of [`WIDTH`].
     pub(crate) near_planes: [usize; 3],
     pub(crate) far_planes: [usize; 3],
+    /// Which of a node's [`orders`](crate::wide::Node::orders) it follows.
+    pub(crate) octant: usize,
     /// Start of the ray.
     pub t_min: f32,
 }
@@ -36,21 +38,25 @@ impl SlabRay {
     /// Prepares a ray for boxes inside `bounds`, with `e` = `margin` · (D + |o|) + `extra`.
     #[inline(always)]
     pub fn new(ray: &Ray, bounds: &Aabb, margin: f32, extra: f32) -> Self {
-        let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
+        // Whole loads; the fourth lanes mean nothing.
+        let origin = Vec3A::from_vec4(ray.origin.extend(ray.t_min));
+        let direction = Vec3A::from_vec4(ray.direction.extend(ray.t_max));
         let distance = (Vec3A::from(bounds.min) - origin).abs().max((Vec3A::from(bounds.max) - origin).abs());
         let e = margin * (distance.max_element() + origin.abs().max_element()) + extra;
         let size = direction.abs();
         let least = Vec3A::splat(size.max_element() * LEAST_COMPONENT);
         let reciprocal = 1.0 / size.max(least).copysign(direction);
+        let reversed = -reciprocal;
         let outwards = Vec3A::splat(e).copysign(direction);
         let negative = direction.is_negative_bitmask() as usize;
         let side = [negative & 1, negative >> 1 & 1, negative >> 2 & 1];
         Self {
             reciprocal,
-            near: -(origin + outwards) * reciprocal,
-            far: -(origin - outwards) * reciprocal,
+            near: (origin + outwards) * reversed,
+            far: (origin - outwards) * reversed,
             near_planes: [WIDTH * side[0], WIDTH * (2 + side[1]), WIDTH * (4 + side[2])],
             far_planes: [WIDTH * (1 - side[0]), WIDTH * (3 - side[1]), WIDTH * (5 - side[2])],
+            octant: negative & 7,
             t_min: ray.t_min,
         }
     }

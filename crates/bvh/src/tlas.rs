@@ -8,12 +8,12 @@ use crate::{
     build::{BinaryTree, BuildOptions, Item, Sah},
     counters::{Count, NoCounters},
     error::BvhError,
-    lanes::{Backend, Lanes, Portable},
+    lanes::{Backend, Portable},
     limits::Limits,
-    packet::{self, NearestHits, PacketWorld},
     ray::{Filter, Hit, Ray},
     refit::UpdateReport,
     slab::MARGIN,
+    stream::FAR_MEMORY,
     traverse::{Nearest, Query, World},
     triangle::MAX_COORDINATE,
     wide::{Child, WideTree},
@@ -105,6 +105,8 @@ pub struct Tlas {
     margin: f32,
     extra: f32,
     backend: Backend,
+    /// Whether it is too large to stay near the processor.
+    far: bool,
     options: BuildOptions,
     /// Expected work when it was built; 0 if it cannot be updated.
     built_cost: f32,
@@ -214,7 +216,9 @@ impl Tlas {
         let singular = (0..all.len()).filter(|&number| matches!(all[number], Standing::Singular)).collect();
         let (margin, extra) = margins(&all);
         let backend = Backend::detect();
-        let mut tlas = Self { blases, placed, tree, instances: all.len(), singular, margin, extra, backend, options, built_cost: 0.0 };
+        let mut tlas =
+            Self { blases, placed, tree, instances: all.len(), singular, margin, extra, backend, far: false, options, built_cost: 0.0 };
+        tlas.far = tlas.memory() > FAR_MEMORY;
         if options.allow_update {
             tlas.built_cost = tlas.sah_cost(options.sah.node_cost);
         }
@@ -251,6 +255,7 @@ impl Tlas {
         (self.margin, self.extra) = margins(&all);
         self.singular = (0..all.len()).filter(|&number| matches!(all[number], Standing::Singular)).collect();
         self.blases = blases;
+        self.far = self.memory() > FAR_MEMORY;
         Ok(UpdateReport { built_cost: self.built_cost, cost: self.sah_cost(self.options.sah.node_cost) })
     }
 
@@ -315,58 +320,10 @@ impl Tlas {
         self.run::<_, _, true, false>(ray, filter, accept, counters).is_some()
     }
 
-    /// [`closest_hit`](Self::closest_hit) of many rays, `accept` being told which ray it is. Sixteen neighbours that run nearly alike, as those of
-    /// a row of pixels do, are traced together.
-    ///
-    /// # Panics
-    /// If `rays` and `hits` are not of one length.
-    pub fn closest_hits(&self, rays: &[Ray], filter: Filter, mut accept: impl FnMut(usize, &Hit) -> bool, hits: &mut [Option<Hit>]) {
-        assert_eq!(rays.len(), hits.len(), "one hit a ray");
-        for (number, (rays, hits)) in rays.chunks(packet::SIZE).zip(hits.chunks_mut(packet::SIZE)).enumerate() {
-            let first = number * packet::SIZE;
-            match self.run_packet::<_, false>(rays, filter, |i, hit| accept(first + i, hit)) {
-                Some(nearest) => hits.iter_mut().enumerate().for_each(|(i, hit)| *hit = nearest.get(i).into_option()),
-                None => {
-                    for (i, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-                        *hit = self.closest_hit(ray, filter, |hit| accept(first + i, hit));
-                    }
-                }
-            }
-        }
-    }
-
-    /// [`any_hit`](Self::any_hit) of many rays, like [`closest_hits`](Self::closest_hits).
-    ///
-    /// # Panics
-    /// If `rays` and `hits` are not of one length.
-    pub fn any_hits(&self, rays: &[Ray], filter: Filter, mut accept: impl FnMut(usize, &Hit) -> bool, hits: &mut [bool]) {
-        assert_eq!(rays.len(), hits.len(), "one answer a ray");
-        for (number, (rays, hits)) in rays.chunks(packet::SIZE).zip(hits.chunks_mut(packet::SIZE)).enumerate() {
-            let first = number * packet::SIZE;
-            match self.run_packet::<_, true>(rays, filter, |i, hit| accept(first + i, hit)) {
-                Some(nearest) => hits.iter_mut().enumerate().for_each(|(i, hit)| *hit = nearest.is_found(i)),
-                None => {
-                    for (i, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-                        *hit = self.any_hit(ray, filter, |hit| accept(first + i, hit));
-                    }
-                }
-            }
-        }
-    }
-
-    /// `None` if the rays are not a full packet or not alike.
+    /// The nearest hit, or any.
     #[inline(always)]
-    fn run_packet<F: FnMut(usize, &Hit) -> bool, const ANY: bool>(&self, rays: &[Ray], filter: Filter, accept: F) -> Option<NearestHits> {
-        let rays = rays.first_chunk().filter(|rays| packet::may_be_alike(rays))?;
-        let mut world = PacketWorld::<F, ANY> { tlas: self, rays, filter, accept, nearest: NearestHits::before(rays), traced: false };
-        match self.backend {
-            #[cfg(target_arch = "x86_64")]
-            Backend::Avx512 => Avx512::call(&mut world),
-            #[cfg(target_arch = "x86_64")]
-            Backend::Avx2 => Avx2::call(&mut world),
-            _ => Portable::call(&mut world),
-        }
-        world.traced.then_some(world.nearest)
+    pub(crate) fn nearest<F: FnMut(&Hit) -> bool, const ANY: bool>(&self, ray: &Ray, filter: Filter, accept: F) -> Nearest {
+        self.query::<_, _, ANY, false>(ray, filter, accept, &mut NoCounters)
     }
 
     #[inline(always)]
@@ -377,14 +334,27 @@ impl Tlas {
         accept: F,
         counters: &mut C,
     ) -> Option<Hit> {
+        self.query::<C, F, ANY, OPAQUE>(ray, filter, accept, counters).into_option()
+    }
+
+    #[inline(always)]
+    fn query<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool>(
+        &self,
+        ray: &Ray,
+        filter: Filter,
+        accept: F,
+        counters: &mut C,
+    ) -> Nearest {
         let mut query = Query { ray, filter, accept, counters, nearest: Nearest::before(ray.t_max) };
         let world = World::<F, C, ANY, OPAQUE> { tlas: self, query: &mut query };
         match self.backend {
             #[cfg(target_arch = "x86_64")]
-            Backend::Avx2 | Backend::Avx512 => Avx2::call(world),
-            _ => Portable::call(world),
+            Backend::Avx512 => world.trace::<Avx512>(),
+            #[cfg(target_arch = "x86_64")]
+            Backend::Avx2 => world.trace::<Avx2>(),
+            _ => world.trace::<Portable>(),
         }
-        query.nearest.into_option()
+        query.nearest
     }
 
     /// Box around everything in the world; empty when there is nothing.
@@ -415,6 +385,11 @@ impl Tlas {
     /// Bytes held by both levels; a mesh counts once however often it is placed.
     pub fn memory(&self) -> usize {
         self.tree.memory() + std::mem::size_of_val(&self.placed[..]) + self.blases.iter().map(|b| b.memory()).sum::<usize>()
+    }
+
+    /// Whether what rays visit is better called for ahead.
+    pub(crate) fn is_far(&self) -> bool {
+        self.far
     }
 
     pub(crate) fn tree(&self) -> &WideTree {

@@ -3,18 +3,19 @@
 use crate::{
     blas::Blas,
     counters::Count,
-    lanes::{Crossings, Distances, Lanes, Task},
+    lanes::{Crossings, Lanes, Task},
     packet::Frustum,
     ray::{Filter, Hit, Ray},
     slab::{MARGIN, SlabRay},
-    stack::{Stack, Storage, Waiting},
+    stack::{Stack, Storage},
     tlas::Tlas,
     triangle::{BLOCK_SIZE, Block, NO_PRIMITIVE, ShearedRay},
-    wide::{Child, Node, WIDTH, WideTree},
+    wide::{Child, Node, WideTree},
 };
 use std::ops::Range;
 
 /// The nearest accepted hit so far. Of two at the same `t` the one with the lower (instance, primitive) is nearer.
+#[derive(Clone, Copy)]
 pub(crate) struct Nearest {
     pub hit: Hit,
     pub found: bool,
@@ -56,29 +57,32 @@ pub(crate) struct World<'a, 'q, F, C, const ANY: bool, const OPAQUE: bool> {
     pub query: &'a mut Query<'q, F, C>,
 }
 
+impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> World<'_, '_, F, C, ANY, OPAQUE> {
+    #[inline(always)]
+    pub fn trace<L: Lanes>(mut self) {
+        let root = self.tlas.tree().root;
+        if !self.query.ray.is_usable() || root == Child::NONE {
+        } else if root.is_leaf() {
+            // With a single instance there is no box to test.
+            self.leaf::<L>(root.items());
+        } else {
+            L::call(&mut self);
+        }
+    }
+}
+
 impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Task for World<'_, '_, F, C, ANY, OPAQUE> {
     #[inline(always)]
-    fn run<L: Lanes>(mut self) {
-        if !self.query.ray.is_usable() {
-            return;
-        }
+    fn run<L: Lanes>(&mut self) {
         let tree = self.tlas.tree();
-        if tree.root == Child::NONE {
-        } else if tree.root.is_leaf() {
-            // With a single instance there is no box to test.
-            self.leaf::<L>(tree.root.items());
-        } else {
-            let (margin, extra) = self.tlas.margin();
-            let slab = SlabRay::new(self.query.ray, &tree.bounds, margin, extra);
-            walk::<L, _, _>(tree, &slab, &mut self);
-        }
+        let (margin, extra) = self.tlas.margin();
+        let slab = SlabRay::new(self.query.ray, &tree.bounds, margin, extra);
+        walk::<L, _, _>(tree, &slab, self);
     }
 }
 
 /// What a walk through one level asks and tells.
 pub(crate) trait Visitor {
-    /// Whether near children should come first.
-    const ORDERED: bool;
     /// Boxes entered beyond this are skipped.
     fn limit(&self) -> f32;
     /// A node is about to be tested.
@@ -94,33 +98,33 @@ pub(crate) trait Visitor {
 
 /// What nodes are tested against: a ray, or many.
 pub(crate) trait AgainstBoxes {
-    /// Children that are met before `t_max`, one bit each, and where.
-    fn boxes<L: Lanes>(&self, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]);
+    /// The nearest of the children that are met before `t_max`; the others are pushed, the nearest last. [`Child::NONE`] if there is none.
+    fn enter<L: Lanes, V: Visitor>(&self, node: &Node, t_max: f32, visitor: &V, stack: &mut Stack) -> Child;
 }
 
 impl AgainstBoxes for SlabRay {
     #[inline(always)]
-    fn boxes<L: Lanes>(&self, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
-        let (met, Distances(distances)) = L::boxes(self, node, t_max);
-        (met, distances)
+    fn enter<L: Lanes, V: Visitor>(&self, node: &Node, t_max: f32, _: &V, stack: &mut Stack) -> Child {
+        L::enter(self, node, t_max, stack)
     }
 }
 
 impl AgainstBoxes for Frustum {
     #[inline(always)]
-    fn boxes<L: Lanes>(&self, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
-        let (met, Distances(distances)) = L::frustum_boxes(self, node, t_max);
-        (met, distances)
+    fn enter<L: Lanes, V: Visitor>(&self, node: &Node, t_max: f32, visitor: &V, stack: &mut Stack) -> Child {
+        let (met, distances) = L::frustum_boxes(self, node, t_max);
+        let met = visitor.refine::<L>(node, met);
+        stack.push_farther(node, self.octant, met, &distances)
     }
 }
 
-/// Visits leaves front to back (by the entry into their boxes).
+/// Visits leaves roughly front to back (by the order of the children for the octant of the direction).
 #[inline(always)]
 pub(crate) fn walk<L: Lanes, B: AgainstBoxes, V: Visitor>(tree: &WideTree, against: &B, visitor: &mut V) {
-    let mut storage = Storage::new();
-    let mut stack = Stack::new(&mut storage);
-    let mut child = tree.root;
+    let mut place = Storage::UNINIT;
+    let mut stack = Stack::new(Storage::empty(&mut place));
     let mut limit = visitor.limit();
+    let mut child = tree.root;
     loop {
         if child.is_leaf() {
             if visitor.leaf::<L>(child.items()) {
@@ -129,11 +133,8 @@ pub(crate) fn walk<L: Lanes, B: AgainstBoxes, V: Visitor>(tree: &WideTree, again
             limit = visitor.limit();
         } else {
             visitor.node();
-            let node = &tree.nodes[child.index()];
-            let (met, distances) = against.boxes::<L>(node, limit);
-            let met = visitor.refine::<L>(node, met);
-            if met != 0 {
-                child = advance::<V>(node, met, &distances, &mut stack);
+            child = against.enter::<L, V>(&tree.nodes[child.index()], limit, visitor, &mut stack);
+            if child != Child::NONE {
                 continue;
             }
         }
@@ -147,43 +148,8 @@ pub(crate) fn walk<L: Lanes, B: AgainstBoxes, V: Visitor>(tree: &WideTree, again
     }
 }
 
-/// The child to go to next; the others that are met wait on the stack, the nearest on top.
-#[inline(always)]
-fn advance<V: Visitor>(node: &Node, mut met: u32, distances: &[f32; WIDTH], stack: &mut Stack) -> Child {
-    let mut take = || {
-        let slot = met.trailing_zeros() as usize;
-        met &= met - 1;
-        (Waiting { child: node.children[slot % WIDTH], t_near: distances[slot % WIDTH] }, met != 0)
-    };
-    let (first, more) = take();
-    if !more {
-        return first.child;
-    }
-    let (second, more) = take();
-    let (near, far) = if second.t_near < first.t_near { (second, first) } else { (first, second) };
-    stack.push(far);
-    if !more {
-        return near.child;
-    }
-    let start = stack.len() - 1;
-    stack.push(near);
-    loop {
-        let (next, more) = take();
-        stack.push(next);
-        if !more {
-            break;
-        }
-    }
-    if V::ORDERED {
-        stack.sort_from(start);
-    }
-    stack.pop().expect("three were pushed").child
-}
-
 /// Leaves of the upper level are instances.
 impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Visitor for World<'_, '_, F, C, ANY, OPAQUE> {
-    const ORDERED: bool = !ANY;
-
     #[inline(always)]
     fn limit(&self) -> f32 {
         self.query.nearest.hit.t
@@ -201,14 +167,22 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Visi
                 continue;
             }
             self.query.counters.instance();
-            let Some(ray) = placed.local_ray(self.query.ray) else { continue };
+            let moved;
+            let ray = if placed.is_in_place() {
+                self.query.ray
+            } else if let Some(ray) = placed.local_ray(self.query.ray) {
+                moved = ray;
+                &moved
+            } else {
+                continue;
+            };
             let exclude = self.query.filter.excluded_in(placed.instance);
             let ask = !OPAQUE && !placed.opaque;
             let blas = &self.tlas.blases()[placed.blas as usize];
             if blas.shapes().is_none() {
-                L::call(Mesh::<F, C, ANY, false> { blas, ray, instance: placed.instance, ask, exclude, query: self.query });
+                L::call(&mut Mesh::<F, C, ANY, false> { blas, ray, instance: placed.instance, ask, exclude, query: self.query });
             } else {
-                L::call(Mesh::<F, C, ANY, true> { blas, ray, instance: placed.instance, ask, exclude, query: self.query });
+                L::call(&mut Mesh::<F, C, ANY, true> { blas, ray, instance: placed.instance, ask, exclude, query: self.query });
             }
             if ANY && self.query.nearest.found {
                 return true;
@@ -221,7 +195,7 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Visi
 /// Traces a ray through one mesh, in its space. `SHAPES` tells whether it has any.
 pub(crate) struct Mesh<'a, 'q, F, C, const ANY: bool, const SHAPES: bool> {
     pub blas: &'a Blas,
-    pub ray: Ray,
+    pub ray: &'a Ray,
     pub instance: u32,
     pub ask: bool,
     pub exclude: u32,
@@ -230,23 +204,21 @@ pub(crate) struct Mesh<'a, 'q, F, C, const ANY: bool, const SHAPES: bool> {
 
 impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const SHAPES: bool> Task for Mesh<'_, '_, F, C, ANY, SHAPES> {
     #[inline(always)]
-    fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(&mut self) {
         let tree = self.blas.tree();
-        let slab = SlabRay::new(&self.ray, &tree.bounds, MARGIN, 0.0);
-        let sheared = ShearedRay::new(&self.ray);
+        let slab = SlabRay::new(self.ray, &tree.bounds, MARGIN, 0.0);
+        let sheared = ShearedRay::new(self.ray);
         walk::<L, _, _>(tree, &slab, &mut InMesh { sheared, mesh: self });
     }
 }
 
 /// Leaves of the lower level are blocks of triangles.
-struct InMesh<'a, 'q, F, C, const ANY: bool, const SHAPES: bool> {
+struct InMesh<'m, 'a, 'q, F, C, const ANY: bool, const SHAPES: bool> {
     sheared: ShearedRay,
-    mesh: Mesh<'a, 'q, F, C, ANY, SHAPES>,
+    mesh: &'m mut Mesh<'a, 'q, F, C, ANY, SHAPES>,
 }
 
-impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const SHAPES: bool> Visitor for InMesh<'_, '_, F, C, ANY, SHAPES> {
-    const ORDERED: bool = !ANY;
-
+impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const SHAPES: bool> Visitor for InMesh<'_, '_, '_, F, C, ANY, SHAPES> {
     #[inline(always)]
     fn limit(&self) -> f32 {
         self.mesh.query.nearest.hit.t
@@ -282,12 +254,12 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const SHAPES: bool> Visi
     }
 }
 
-impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const SHAPES: bool> InMesh<'_, '_, F, C, ANY, SHAPES> {
+impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const SHAPES: bool> InMesh<'_, '_, '_, F, C, ANY, SHAPES> {
     /// Asks the shapes of a block.
     #[inline(never)]
     fn shapes(&mut self, block: &Block) {
         for primitive in block.primitives.into_iter().filter(|&primitive| primitive != NO_PRIMITIVE) {
-            let Some(crossing) = self.mesh.blas.cross_shape(primitive, &self.mesh.ray) else { continue };
+            let Some(crossing) = self.mesh.blas.cross_shape(primitive, self.mesh.ray) else { continue };
             let hit = Hit { t: crossing.t, u: crossing.u, v: crossing.v, primitive, instance: self.mesh.instance };
             let query = &mut *self.mesh.query;
             if query.nearest.admits(&hit) && primitive != self.mesh.exclude && (!self.mesh.ask || (query.accept)(&hit)) {

@@ -43,6 +43,14 @@ impl Child {
         self.0 as usize
     }
 
+    /// The first item of a leaf, and a leaf of the others.
+    #[inline(always)]
+    pub fn split_first(self) -> (usize, Option<Self>) {
+        let more = self.0 >> 28 & 7 != 0;
+        // One less of the count, one more of the first item.
+        ((self.0 & 0x0fff_ffff) as usize, more.then_some(Self(self.0.wrapping_sub((1 << 28) - 1))))
+    }
+
     /// The items of a leaf.
     #[inline(always)]
     pub fn items(self) -> std::ops::Range<usize> {
@@ -59,6 +67,9 @@ pub struct Node {
     pub planes: [[f32; WIDTH]; 6],
     /// What is in each box.
     pub children: [Child; WIDTH],
+    /// For each octant of directions (bit 0 set for −x, 1 for −y, 2 for −z), the children from the farthest to the nearest, three bits each from
+    /// the lowest on.
+    pub orders: [u32; 8],
 }
 
 impl Node {
@@ -72,6 +83,7 @@ impl Node {
             [f32::NEG_INFINITY; WIDTH],
         ],
         children: [Child::NONE; WIDTH],
+        orders: [0; 8],
     };
 
     /// Puts a child into a slot.
@@ -81,6 +93,25 @@ impl Node {
             self.planes[2 * axis + 1][slot] = bounds.max[axis];
         }
         self.children[slot] = child;
+    }
+
+    /// Orders the children for rays of each octant, by their centres along its diagonal.
+    fn put_in_order(&mut self) {
+        for octant in 0..4 {
+            let mut along = [f32::NEG_INFINITY; WIDTH];
+            for (slot, along) in along.iter_mut().enumerate().filter(|(slot, _)| self.children[*slot] != Child::NONE) {
+                let center2 = |axis: usize| self.planes[2 * axis][slot] + self.planes[2 * axis + 1][slot];
+                let signed = |axis: usize| if octant >> axis & 1 == 0 { center2(axis) } else { -center2(axis) };
+                *along = signed(0) + signed(1) + signed(2);
+            }
+            for slot in 0..WIDTH {
+                let is_farther = |other: usize| along[other] > along[slot] || (along[other] == along[slot] && other < slot);
+                let rank = (0..WIDTH).map(|other| u32::from(is_farther(other))).sum::<u32>();
+                self.orders[octant] |= (slot as u32) << (3 * rank);
+                // The opposite octant sees them the other way round.
+                self.orders[7 - octant] |= (slot as u32) << (3 * (7 - rank));
+            }
+        }
     }
 
     /// Box of a child.
@@ -138,6 +169,7 @@ impl WideTree {
                 };
                 nodes[wide].set(slot, &node.bounds(), reference);
             }
+            nodes[wide].put_in_order();
         }
         Self { nodes, root: Child::node(0), bounds: top.bounds() }
     }
@@ -201,6 +233,7 @@ pub(crate) mod tests {
         for (slot, bounds) in boxes.iter().enumerate() {
             node.set(slot, bounds, Child::leaf(slot, 1));
         }
+        node.put_in_order();
         node
     }
 
@@ -210,6 +243,8 @@ pub(crate) mod tests {
             for count in 1..=MAX_LEAF_BLOCKS {
                 let leaf = Child::leaf(first, count);
                 assert!(leaf.is_leaf() && leaf.items() == (first..first + count));
+                let rest = (count > 1 && first + 1 < Child::MAX_INDEX).then(|| Child::leaf(first + 1, count - 1));
+                assert!(first + 1 == Child::MAX_INDEX || leaf.split_first() == (first, rest));
             }
             assert!(!Child::node(first).is_leaf() && Child::node(first).index() == first);
         }

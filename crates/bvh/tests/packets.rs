@@ -109,7 +109,9 @@ fn placed_masked_and_transparent_instances_equal_brute_force() {
         })
         .collect();
     let plain = Tlas::build(vec![mesh], instances).unwrap();
-    let rays = camera_rays(4, 40, 5.0, 7);
+    let mut rays = camera_rays(4, 40, 5.0, 7);
+    // By turns, in and out of instances.
+    rays.extend(common::rays(1_000, 8).into_iter().map(|ray| Ray { origin: ray.origin * 5.0, ..ray }));
     let exclude = plain.closest_hit_opaque(&rays[800], Filter::ALL).map(|hit| hit.primitive_ref());
     assert!(exclude.is_some());
     for backend in backends() {

@@ -4,8 +4,9 @@ use super::{Crossings, Distances, Lanes, Task};
 use crate::{
     packet::Frustum,
     slab::SlabRay,
+    stack::Stack,
     triangle::{Block, ShearedRay},
-    wide::Node,
+    wide::{Child, Node},
 };
 use glam::Vec3A;
 use std::arch::x86_64::*;
@@ -18,10 +19,10 @@ impl Lanes for Avx2 {
     type Single = Self;
 
     #[inline(always)]
-    fn call(task: impl Task) {
+    fn call(task: &mut impl Task) {
         #[inline(never)]
         #[target_feature(enable = "avx2,fma")]
-        fn with_features(task: impl Task) {
+        fn with_features(task: &mut impl Task) {
             task.run::<Avx2>();
         }
         // SAFETY: the features are there (see the type).
@@ -29,23 +30,22 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn boxes(ray: &SlabRay, node: &Node, t_max: f32) -> (u32, Distances) {
-        let planes = node.planes.as_ptr().cast::<f32>();
-        // SAFETY: AVX2 and FMA are there (see the type); `SlabRay::new` makes the starts of rows of 8 floats among the 48 planes, and rows
-        // are aligned like the node.
+    fn enter(ray: &SlabRay, node: &Node, t_max: f32, stack: &mut Stack) -> Child {
+        let (near, far) = entry_and_exit(ray, node, t_max);
+        // SAFETY: AVX is there (see the type); the array of distances is aligned.
         unsafe {
-            let at = |first: usize, axis: usize, shift: &Vec3A| {
-                _mm256_fmadd_ps(_mm256_load_ps(planes.add(first)), _mm256_set1_ps(ray.reciprocal[axis]), _mm256_set1_ps(shift[axis]))
-            };
-            let near = |axis: usize| at(ray.near_planes[axis], axis, &ray.near);
-            let far = |axis: usize| at(ray.far_planes[axis], axis, &ray.far);
-            // Where a product overflows to NaN, max and min return their second operand, and at last `t_min` and `t_max`: the box counts as met.
-            let near = _mm256_max_ps(_mm256_max_ps(near(0), near(1)), _mm256_max_ps(near(2), _mm256_set1_ps(ray.t_min)));
-            let far = _mm256_min_ps(_mm256_min_ps(far(0), far(1)), _mm256_min_ps(far(2), _mm256_set1_ps(t_max)));
             let met = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32;
             let mut distances = Distances([0.0; 8]);
             _mm256_store_ps(distances.0.as_mut_ptr(), near);
-            (met, distances)
+            stack.push_farther(node, ray.octant, met, &distances)
+        }
+    }
+
+    #[inline(always)]
+    fn enter_all(ray: &SlabRay, node: &Node, t_max: f32, stack: &mut Stack) {
+        let nearest = Self::enter(ray, node, t_max, stack);
+        if nearest != Child::NONE {
+            stack.push_child(nearest);
         }
     }
 
@@ -76,6 +76,40 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn mul_add(a: f32, b: f32, c: f32) -> f32 {
         a.mul_add(b, c)
+    }
+
+    #[inline(always)]
+    fn call_for<T>(it: &T) {
+        let start = std::ptr::from_ref(it).cast::<i8>();
+        for line in (0..size_of::<T>()).step_by(64) {
+            // SAFETY: a hint reads nothing, and the address is in `it`.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(line)) }
+        }
+    }
+
+    #[inline(always)]
+    fn may_cross(ray: &ShearedRay, block: &Block) -> bool {
+        // SAFETY: as in `triangles`.
+        unsafe {
+            let [x, y, z] = ray.axes;
+            let origin = ray.origin.map(|o| _mm_set1_ps(o));
+            let shear = ray.shear.map(|s| _mm_set1_ps(s));
+            let sheared = |v: usize| {
+                let row = |axis: usize| _mm_load_ps(block.vertices[v][axis].as_ptr());
+                let dz = _mm_sub_ps(row(z), origin[2]);
+                let dx = _mm_sub_ps(_mm_sub_ps(row(x), origin[0]), _mm_mul_ps(shear[0], dz));
+                let dy = _mm_sub_ps(_mm_sub_ps(row(y), origin[1]), _mm_mul_ps(shear[1], dz));
+                [dx, dy]
+            };
+            let (a, b, c) = (sheared(0), sheared(1), sheared(2));
+            // Rounding is monotone, so the signs are right or zero, and two signs tell a miss.
+            let edge = |p: [__m128; 2], q: [__m128; 2]| _mm_sub_ps(_mm_mul_ps(p[0], q[1]), _mm_mul_ps(p[1], q[0]));
+            let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
+            let least = _mm_min_ps(_mm_min_ps(u, v), w);
+            let greatest = _mm_max_ps(_mm_max_ps(u, v), w);
+            let zero = _mm_setzero_ps();
+            _mm_movemask_ps(_mm_or_ps(_mm_cmpge_ps(least, zero), _mm_cmple_ps(greatest, zero))) != 0
+        }
     }
 
     #[inline(always)]
@@ -122,6 +156,24 @@ impl Lanes for Avx2 {
             _mm_store_ps(out.v.as_mut_ptr(), _mm256_cvtpd_ps(_mm256_div_pd(w, sum)));
             crossed
         }
+    }
+}
+
+/// Where the boxes of a node are entered, not before `t_min`, and left, not after `t_max`. Only where AVX2 and FMA are.
+#[inline(always)]
+pub(super) fn entry_and_exit(ray: &SlabRay, node: &Node, t_max: f32) -> (__m256, __m256) {
+    let planes = node.planes.as_ptr().cast::<f32>();
+    // SAFETY: the callers are there; `SlabRay::new` makes the starts of rows of 8 floats among the 48 planes, and rows are aligned like the node.
+    unsafe {
+        let at = |first: usize, axis: usize, shift: &Vec3A| {
+            _mm256_fmadd_ps(_mm256_load_ps(planes.add(first)), _mm256_set1_ps(ray.reciprocal[axis]), _mm256_set1_ps(shift[axis]))
+        };
+        let near = |axis: usize| at(ray.near_planes[axis], axis, &ray.near);
+        let far = |axis: usize| at(ray.far_planes[axis], axis, &ray.far);
+        // Where a product overflows to NaN, max and min return their second operand, and at last `t_min` and `t_max`: the box counts as met.
+        let near = _mm256_max_ps(_mm256_max_ps(near(0), near(1)), _mm256_max_ps(near(2), _mm256_set1_ps(ray.t_min)));
+        let far = _mm256_min_ps(_mm256_min_ps(far(0), far(1)), _mm256_min_ps(far(2), _mm256_set1_ps(t_max)));
+        (near, far)
     }
 }
 

@@ -15,8 +15,9 @@ pub(crate) use portable::Portable;
 use crate::{
     packet::Frustum,
     slab::SlabRay,
+    stack::Stack,
     triangle::{BLOCK_SIZE, Block, ShearedRay},
-    wide::{Node, WIDTH},
+    wide::{Child, Node, WIDTH},
 };
 
 /// Entry distances of the children of a node.
@@ -29,16 +30,26 @@ pub(crate) trait Lanes: Sized {
     type Single: Lanes;
 
     /// Runs a task in a function of its own that may use the instructions. Everything the task does must be inlined into it.
-    fn call(task: impl Task);
+    fn call(task: &mut impl Task);
 
-    /// Children whose box is met within `t_min ..= t_max`, one bit each, and where each is entered.
-    fn boxes(ray: &SlabRay, node: &Node, t_max: f32) -> (u32, Distances);
+    /// Pushes the children whose box is met within `t_min ..= t_max`, the nearest last, but for the nearest, which is returned; [`Child::NONE`] if
+    /// there is none. For a ray alone: with branches, which let the processor go on before the outcome is known.
+    fn enter(ray: &SlabRay, node: &Node, t_max: f32, stack: &mut Stack) -> Child;
 
-    /// The same for many rays; see [`Frustum`].
+    /// Pushes all of them, the nearest last. For rays by turns: without branches, where the instructions can.
+    fn enter_all(ray: &SlabRay, node: &Node, t_max: f32, stack: &mut Stack);
+
+    /// Children that many rays may meet, one bit each, and where each is entered at the earliest; see [`Frustum`].
     fn frustum_boxes(frustum: &Frustum, node: &Node, t_max: f32) -> (u32, Distances);
 
     /// a b + c, rounded once where the instructions can.
     fn mul_add(a: f32, b: f32, c: f32) -> f32;
+
+    /// Has the memory of something brought into the caches.
+    fn call_for<T>(_: &T) {}
+
+    /// Whether some triangle may be crossed, in single precision: `false` only if none is.
+    fn may_cross(ray: &ShearedRay, block: &Block) -> bool;
 
     /// Triangles that the ray crosses at `t_min < t ≤ t_max`, one bit each, and where. Exactly the same in every implementation.
     fn triangles(ray: &ShearedRay, block: &Block, t_min: f32, t_max: f32, out: &mut Crossings) -> u32;
@@ -59,7 +70,7 @@ pub(crate) struct Crossings {
 /// Work that is compiled once for each set of instructions.
 pub(crate) trait Task {
     /// Does it. Implementations are `#[inline(always)]`, so that they are compiled with the features of their caller.
-    fn run<L: Lanes>(self);
+    fn run<L: Lanes>(&mut self);
 }
 
 /// Which instructions traversal uses. The hits are the same.
@@ -99,7 +110,7 @@ impl Backend {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Ray, aabb::Aabb};
+    use crate::{Ray, aabb::Aabb, stack::Storage};
     use glam::Vec3;
     use proptest::prelude::*;
 
@@ -123,27 +134,35 @@ mod tests {
         struct Triangles<'a>(&'a ShearedRay, &'a Block, [f32; 2], &'a mut Crossings, &'a mut u32);
         impl Task for Triangles<'_> {
             #[inline(always)]
-            fn run<L: Lanes>(self) {
+            fn run<L: Lanes>(&mut self) {
                 *self.4 = L::triangles(self.0, self.1, self.2[0], self.2[1], self.3);
             }
         }
-        L::call(Triangles(ray, block, [t_min, t_max], &mut out, &mut lanes));
+        L::call(&mut Triangles(ray, block, [t_min, t_max], &mut out, &mut lanes));
         let lane = |i: usize| (i, [out.t[i], out.u[i], out.v[i]].map(f32::to_bits));
         (0..32).filter(|i| lanes >> i & 1 == 1).map(lane).collect()
     }
 
-    /// Children met and where the first is entered.
-    fn entered<L: Lanes>(ray: &SlabRay, node: &Node, t_max: f32) -> (u32, f32) {
-        let mut out = (0, 0.0);
-        struct Boxes<'a>(&'a SlabRay, &'a Node, f32, &'a mut (u32, f32));
+    /// The nearest child that is entered and how many others wait; then how many wait when all do.
+    fn entered<L: Lanes>(ray: &SlabRay, node: &Node, t_max: f32) -> (Child, usize, usize) {
+        let mut out = (Child::NONE, 0, 0);
+        struct Boxes<'a>(&'a SlabRay, &'a Node, f32, &'a mut (Child, usize, usize));
         impl Task for Boxes<'_> {
             #[inline(always)]
-            fn run<L: Lanes>(self) {
-                let (met, distances) = L::boxes(self.0, self.1, self.2);
-                *self.3 = (met, distances.0[0]);
+            fn run<L: Lanes>(&mut self) {
+                let mut place = Storage::UNINIT;
+                let mut stack = Stack::new(Storage::empty(&mut place));
+                self.3.0 = L::enter(self.0, self.1, self.2, &mut stack);
+                while stack.pop().is_some() {
+                    self.3.1 += 1;
+                }
+                L::enter_all(self.0, self.1, self.2, &mut stack);
+                while stack.pop().is_some() {
+                    self.3.2 += 1;
+                }
             }
         }
-        L::call(Boxes(ray, node, t_max, &mut out));
+        L::call(&mut Boxes(ray, node, t_max, &mut out));
         out
     }
 
@@ -189,11 +208,15 @@ mod tests {
                 let slab = SlabRay::new(&ray, &bounds, crate::slab::MARGIN, 0.0);
                 let node = crate::wide::tests::node_of(&[bounds]);
                 if crossing.t > ray.t_min && crossing.t < ray.t_max {
-                    let (met, entry) = entered::<Portable>(&slab, &node, crossing.t);
-                    prop_assert_eq!(met, 1, "entered at {} for a hit at {}", entry, crossing.t);
+                    let one = (Child::leaf(0, 1), 0, 1);
+                    prop_assert_eq!(entered::<Portable>(&slab, &node, crossing.t), one, "hit at {}", crossing.t);
                     #[cfg(target_arch = "x86_64")]
                     if Backend::Avx2.is_supported() {
-                        prop_assert_eq!(entered::<Avx2>(&slab, &node, crossing.t).0, 1);
+                        prop_assert_eq!(entered::<Avx2>(&slab, &node, crossing.t), one);
+                    }
+                    #[cfg(target_arch = "x86_64")]
+                    if Backend::Avx512.is_supported() {
+                        prop_assert_eq!(entered::<Avx512>(&slab, &node, crossing.t), one);
                     }
                 }
             }

@@ -4,8 +4,9 @@ use super::{Crossings, Distances, Lanes, Task};
 use crate::{
     packet::Frustum,
     slab::SlabRay,
+    stack::Stack,
     triangle::{Block, Crossing, ShearedRay},
-    wide::Node,
+    wide::{Child, Node},
 };
 use glam::Vec4;
 
@@ -16,12 +17,12 @@ impl Lanes for Portable {
     type Single = Self;
 
     #[inline(never)]
-    fn call(task: impl Task) {
+    fn call(task: &mut impl Task) {
         task.run::<Self>();
     }
 
     #[inline(always)]
-    fn boxes(ray: &SlabRay, node: &Node, t_max: f32) -> (u32, Distances) {
+    fn enter(ray: &SlabRay, node: &Node, t_max: f32, stack: &mut Stack) -> Child {
         let mut met = 0;
         let mut distances = Distances([0.0; 8]);
         let planes = node.planes.as_flattened();
@@ -34,7 +35,15 @@ impl Lanes for Portable {
             met |= near.cmple(far).bitmask() << half;
             near.write_to_slice(&mut distances.0[half..]);
         }
-        (met, distances)
+        stack.push_farther(node, ray.octant, met, &distances)
+    }
+
+    #[inline(always)]
+    fn enter_all(ray: &SlabRay, node: &Node, t_max: f32, stack: &mut Stack) {
+        let nearest = Self::enter(ray, node, t_max, stack);
+        if nearest != Child::NONE {
+            stack.push_child(nearest);
+        }
     }
 
     #[inline(always)]
@@ -45,6 +54,11 @@ impl Lanes for Portable {
     #[inline(always)]
     fn mul_add(a: f32, b: f32, c: f32) -> f32 {
         a * b + c
+    }
+
+    #[inline(always)]
+    fn may_cross(ray: &ShearedRay, block: &Block) -> bool {
+        candidates(ray, block) != 0
     }
 
     #[inline(always)]

@@ -27,6 +27,8 @@ pub(crate) struct Frustum {
     /// Where the near planes of each axis start among the floats of a [`Node`].
     pub near_planes: [usize; 3],
     pub far_planes: [usize; 3],
+    /// Which of a node's orders they follow.
+    pub octant: usize,
     /// The earliest start of a ray.
     pub t_min: f32,
     /// 1/d of each ray, and what is added to a product with it: as in [`SlabRay`](crate::slab::SlabRay).
@@ -68,6 +70,7 @@ impl Frustum {
             far: [unused; 3],
             near_planes: [0; 3],
             far_planes: [0; 3],
+            octant: 0,
             t_min,
             each: [Each { reciprocal: [0.0; SIZE], near: [0.0; SIZE], far: [0.0; SIZE] }; 3],
             finite: true,
@@ -93,6 +96,7 @@ impl Frustum {
             frustum.near[axis] = Span { low: near.low - center * r.low, high: near.low - center * r.high };
             frustum.far[axis] = Span { low: far.high - center * r.low, high: far.high - center * r.high };
             let side = usize::from(d[0].is_sign_negative());
+            frustum.octant |= side << axis;
             frustum.near_planes[axis] = WIDTH * (2 * axis + side);
             frustum.far_planes[axis] = WIDTH * (2 * axis + 1 - side);
         }

@@ -81,9 +81,9 @@ pub(crate) fn may_be_alike(rays: &[Ray; SIZE]) -> bool {
     let near = |a: &Ray, b: &Ray| {
         let (p, q) = (a.direction, b.direction);
         // Less than a right angle between them, and |p × q|² ≤ (2 s)² |p|² |q|².
-        p.dot(q) > 0.0 && p.cross(q).length_squared() <= 4.0 * MOST_SPREAD * MOST_SPREAD * p.length_squared() * q.length_squared()
+        (p.dot(q) > 0.0) & (p.cross(q).length_squared() <= 4.0 * MOST_SPREAD * MOST_SPREAD * p.length_squared() * q.length_squared())
     };
-    near(&rays[0], &rays[SIZE / 2]) && near(&rays[0], &rays[SIZE - 1])
+    near(&rays[0], &rays[SIZE / 2]) & near(&rays[0], &rays[SIZE - 1])
 }
 
 /// As [`ShearedRay`], side by side.

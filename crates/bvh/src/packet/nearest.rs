@@ -44,8 +44,12 @@ impl NearestHits {
         self.found[i] != 0
     }
 
+    /// With `ANY`, whether there is a hit is all that is told.
     #[inline(always)]
-    pub fn get(&self, i: usize) -> Nearest {
+    pub fn get<const ANY: bool>(&self, i: usize) -> Nearest {
+        if ANY {
+            return Nearest { found: self.found[i] != 0, ..Nearest::before(self.t[i]) };
+        }
         let (u, v) = ((self.u[i] / self.sum[i]) as f32, (self.v[i] / self.sum[i]) as f32);
         Nearest { hit: Hit { t: self.t[i], u, v, primitive: self.primitive[i], instance: self.instance[i] }, found: self.found[i] != 0 }
     }

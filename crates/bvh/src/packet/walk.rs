@@ -24,11 +24,13 @@ pub(crate) struct PacketWorld<'a, F, const ANY: bool> {
     pub nearest: NearestHits,
     /// Whether the rays were alike; if not, nothing was traced.
     pub traced: bool,
+    /// Nodes and triangles that were tested.
+    pub work: u32,
 }
 
-impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> Task for &mut PacketWorld<'_, F, ANY> {
+impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> Task for PacketWorld<'_, F, ANY> {
     #[inline(always)]
-    fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(&mut self) {
         // No closures around what is inlined here: they would be compiled without the instructions.
         let packet = Packet::new(self.rays);
         if !packet.alike {
@@ -58,15 +60,15 @@ struct InWorld<'w, 'a, F, const ANY: bool> {
 }
 
 impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> Visitor for InWorld<'_, '_, F, ANY> {
-    const ORDERED: bool = !ANY;
-
     #[inline(always)]
     fn limit(&self) -> f32 {
         self.world.nearest.farthest()
     }
 
     #[inline(always)]
-    fn node(&mut self) {}
+    fn node(&mut self) {
+        self.world.work += 1;
+    }
 
     #[inline(always)]
     fn leaf<L: Lanes>(&mut self, items: Range<usize>) -> bool {
@@ -122,12 +124,26 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> PacketWorld<'_, F, ANY> {
             let Some(ray) = placed.local_ray(&self.rays[i]) else { continue };
             let accept = &mut self.accept;
             let accept = |hit: &Hit| accept(i, hit);
-            let (nearest, counters) = (self.nearest.get(i), &mut NoCounters);
+            let (nearest, counters) = (self.nearest.get::<ANY>(i), &mut NoCounters);
             let mut query = Query { ray: &self.rays[i], filter: self.filter, accept, counters, nearest };
             if blas.shapes().is_none() {
-                L::Single::call(Mesh::<_, _, ANY, false> { blas, ray, instance: placed.instance, ask, exclude, query: &mut query });
+                L::Single::call(&mut Mesh::<_, _, ANY, false> {
+                    blas,
+                    ray: &ray,
+                    instance: placed.instance,
+                    ask,
+                    exclude,
+                    query: &mut query,
+                });
             } else {
-                L::Single::call(Mesh::<_, _, ANY, true> { blas, ray, instance: placed.instance, ask, exclude, query: &mut query });
+                L::Single::call(&mut Mesh::<_, _, ANY, true> {
+                    blas,
+                    ray: &ray,
+                    instance: placed.instance,
+                    ask,
+                    exclude,
+                    query: &mut query,
+                });
             }
             let nearest = query.nearest;
             self.nearest.set::<ANY>(i, nearest);
@@ -146,15 +162,15 @@ struct InMesh<'w, 'a, F, const ANY: bool> {
 }
 
 impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> Visitor for InMesh<'_, '_, F, ANY> {
-    const ORDERED: bool = !ANY;
-
     #[inline(always)]
     fn limit(&self) -> f32 {
         self.limit
     }
 
     #[inline(always)]
-    fn node(&mut self) {}
+    fn node(&mut self) {
+        self.world.work += 1;
+    }
 
     #[inline(always)]
     fn refine<L: Lanes>(&self, node: &Node, met: u32) -> u32 {
@@ -170,6 +186,7 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> Visitor for InMesh<'_, '_, 
                 if primitive == NO_PRIMITIVE {
                     break;
                 }
+                self.world.work += 1;
                 let [a, b, c] = &block.vertices;
                 let vertices =
                     [[a[x][lane], a[y][lane], a[z][lane]], [b[x][lane], b[y][lane], b[z][lane]], [c[x][lane], c[y][lane], c[z][lane]]];

@@ -41,7 +41,7 @@ pub struct ModelView<'a> {
 
 impl AnyBsdf {
     /// [`Bsdf::view`].
-    #[inline]
+    #[inline(always)]
     pub fn view(&self, wo: Vec3) -> AnyBsdfView<'_> {
         match self {
             Self::Layered(bsdf) => match bsdf.lambert_view(wo) {
@@ -53,7 +53,7 @@ impl AnyBsdf {
     }
 
     /// [`Bsdf::is_delta`].
-    #[inline]
+    #[inline(always)]
     pub fn is_delta(&self) -> bool {
         match self {
             Self::Layered(bsdf) => bsdf.is_delta(),
@@ -64,7 +64,7 @@ impl AnyBsdf {
 
 impl AnyBsdfView<'_> {
     /// [`BsdfView::eval`].
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, wi: Vec3) -> (LobeValues, f32) {
         match self {
             Self::Lambert(view) => view.eval(wi),
@@ -74,7 +74,7 @@ impl AnyBsdfView<'_> {
     }
 
     /// [`BsdfView::sample`].
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
         match self {
             Self::Lambert(view) => view.sample(u),

@@ -50,6 +50,7 @@ impl SurfacePoint {
 
 /// Moves `position` by `error` along the unit `normal`, and every coordinate that moves on to the next number away, so that rounding of the sum
 /// cannot undo the step.
+#[inline]
 pub fn offset_origin(position: Vec3, normal: Vec3, error: f32) -> Vec3 {
     let step = |p: f32, n: f32| {
         let moved = p + n * error;

@@ -1,6 +1,7 @@
 //! Camera rays, and the way back from a point to its pixel.
 
 use glam::{UVec2, Vec2, Vec3};
+use kajo_bvh::Ray;
 use kajo_sampling::warp::concentric_disk;
 use kajo_scene::{PlacedCamera, Projection};
 
@@ -12,6 +13,13 @@ pub(crate) struct CameraRay {
     pub direction: Vec3,
     /// Distance at which the near plane is crossed, m.
     pub t_min: f32,
+}
+
+impl CameraRay {
+    /// The ray as it is traced.
+    pub(crate) fn traced(self) -> Ray {
+        Ray { origin: self.origin, t_min: self.t_min, direction: self.direction, t_max: f32::INFINITY }
+    }
 }
 
 /// A placed camera and an image size. Pixels are square; an image of another shape than the camera was made for keeps the vertical

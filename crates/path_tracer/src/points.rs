@@ -10,6 +10,8 @@ const RELATIVE_ERROR: f32 = 1.0 / 262144.0;
 /// An instance's transform in double precision.
 #[derive(Clone, Debug)]
 pub(crate) struct PointFrame {
+    /// The instance's space is the world.
+    in_place: bool,
     linear: DMat3,
     translation: DVec3,
     /// −1 for a mirroring transform, whose triangles are seen from the other side, else 1.
@@ -22,6 +24,7 @@ impl PointFrame {
     pub(crate) fn new(world_from_object: &Affine3A) -> Self {
         let linear = world_from_object.matrix3.as_dmat3();
         Self {
+            in_place: *world_from_object == Affine3A::IDENTITY,
             linear,
             translation: world_from_object.translation.as_dvec3(),
             facing: if linear.determinant() < 0.0 { -1.0 } else { 1.0 },
@@ -30,10 +33,13 @@ impl PointFrame {
     }
 
     /// [`SurfacePoint::new`].
-    #[inline]
+    #[inline(always)]
     fn point(&self, corners: [Vec3; 3], u: f32, v: f32) -> SurfacePoint {
-        let place = |p: Vec3| self.linear * p.as_dvec3() + self.translation;
-        let (a, b, c) = (place(corners[0]), place(corners[1]), place(corners[2]));
+        let mut placed = corners.map(|corner| corner.as_dvec3());
+        if !self.in_place {
+            placed = placed.map(|corner| self.linear * corner + self.translation);
+        }
+        let [a, b, c] = placed;
         let (u, v) = (f64::from(u), f64::from(v));
         let position = a * (1.0 - u - v) + b * u + c * v;
         let normal = (b - a).cross(c - a).normalize_or_zero() * self.facing;
@@ -47,7 +53,7 @@ impl PointFrame {
 
 impl Placed {
     /// The point of a triangle with barycentric weights 1 − u − v, u, v.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn point(&self, primitive: u32, u: f32, v: f32) -> SurfacePoint {
         self.points.point(self.triangle(primitive), u, v)
     }
@@ -66,7 +72,8 @@ mod tests {
         for round in 0..2000 {
             let rotation = Quat::from_scaled_axis(vector(6.0));
             // Half of them mirror.
-            let world = Affine3A::from_scale_rotation_translation(vector(3.0), rotation, vector(100.0));
+            let moved = Affine3A::from_scale_rotation_translation(vector(3.0), rotation, vector(100.0));
+            let world = if round % 8 == 0 { Affine3A::IDENTITY } else { moved };
             let mut corners = [(); 3].map(|()| vector(if round % 2 == 0 { 1.0 } else { 1e4 }));
             if round % 16 == 0 {
                 corners[2] = corners[1];

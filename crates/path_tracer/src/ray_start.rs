@@ -21,12 +21,15 @@ const GRAZING: f32 = 1.0 / 256.0;
 impl World {
     /// The start of rays that leave `point`, which `hit` is, on the side of `normal`, the geometric one on the side of `wo`. With `smooth`,
     /// the point is lifted off coarse meshes.
+    #[inline(always)]
     pub(crate) fn ray_start(&self, hit: &Hit, point: &SurfacePoint, normal: Vec3, wo: Vec3, smooth: bool) -> Vec3 {
         let start = seen_before(point, normal, wo, hit.t);
+        if !smooth || self.instances[hit.instance as usize].flat { start } else { self.lifted_start(hit, point, normal, start) }
+    }
+
+    /// The start lifted off a coarse mesh, or `start` where something is in the way.
+    fn lifted_start(&self, hit: &Hit, point: &SurfacePoint, normal: Vec3, start: Vec3) -> Vec3 {
         let placed = &self.instances[hit.instance as usize];
-        if !smooth || placed.flat {
-            return start;
-        }
         let lifted = placed.lifted(hit, point.position, normal.dot(point.geometric_normal).signum());
         if lifted == point.position {
             return start;
@@ -57,6 +60,7 @@ impl World {
 
 /// The point moved off its triangle by its error, back along its ray of length `t`, but by no more than half of that, nor further than
 /// [`GRAZING`] allows; what is left of the way goes along the normal.
+#[inline(always)]
 fn seen_before(point: &SurfacePoint, normal: Vec3, wo: Vec3, t: f32) -> Vec3 {
     let cos = wo.dot(normal);
     let back = (point.error / cos.max(GRAZING)).min(0.5 * t);

@@ -94,6 +94,8 @@ impl Slots {
 pub(crate) struct Record<'a> {
     pub slots: &'a Slots,
     pub channels: &'a mut [f32],
+    /// False where light that has not bounced comes otherwise.
+    pub sees_lamps: bool,
 }
 
 impl Record<'_> {
@@ -115,6 +117,9 @@ impl Record<'_> {
 impl Sink for Record<'_> {
     #[inline]
     fn light(&mut self, bounces: u32, light: u32, share: Split) {
+        if bounces == 0 && !self.sees_lamps {
+            return;
+        }
         let total = share.total();
         self.add(0, total);
         let slots = self.slots;

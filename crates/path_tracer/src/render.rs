@@ -1,17 +1,15 @@
 //! Rendering: passes over all pixels until a stop condition holds.
 
 use crate::camera::CameraView;
-use crate::film::{Film, FilmLayout, Row};
+use crate::edges::Edges;
+use crate::film::{Film, FilmLayout};
 use crate::filter::FilterSampler;
 use crate::fingerprint::fingerprint;
+use crate::integrator::Context;
 use crate::integrator::first_hit::Previous;
-use crate::integrator::{Chance, Context, TracedRay, first_ray};
-use crate::record::{Record, Slots};
-use crate::surface::Surface;
+use crate::pixels::{Counts, Pixels};
+use crate::record::Slots;
 use crate::{Integrator, PathTracerError, Settings, Stop, Tracer};
-use glam::UVec2;
-use kajo_sampling::{Sampler, hash_u64};
-use kajo_units::LinearRgb;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -94,9 +92,12 @@ pub fn render(
     let view_of = |snapshot: &kajo_scene::Snapshot| snapshot.cameras.get(camera).map(|camera| CameraView::new(camera, settings.size));
     let previous = tracer.previous.as_ref().and_then(|snapshot| Some(Previous { snapshot, view: view_of(snapshot)? }));
     let max_depth = if settings.integrator == Integrator::Direct { settings.max_depth.min(1) } else { settings.max_depth };
+    let cx = Context { world: &tracer.world, lights: &tracer.lights, settings, max_depth };
+    let view = CameraView::new(&tracer.world.snapshot.cameras[camera], settings.size);
     let pixels = Pixels {
-        cx: Context { world: &tracer.world, lights: &tracer.lights, settings, max_depth },
-        view: CameraView::new(&tracer.world.snapshot.cameras[camera], settings.size),
+        edges: Edges::find(&cx, &view),
+        cx,
+        view,
         previous,
         filter: FilterSampler::new(settings.filter),
         slots,
@@ -158,12 +159,12 @@ impl Run<'_> {
         let cancelled = AtomicBool::new(false);
         let (spp, width, height) = (film.spp(), u64::from(film.size.x), u64::from(film.size.y));
         let samples = AtomicU64::new(film.samples());
-        let (rays, invalid) = film
+        let counts = film
             .rows()
             .into_par_iter()
             .map(|mut row| {
                 if cancelled.load(Ordering::Relaxed) {
-                    return (0, 0);
+                    return Counts::default();
                 }
                 let added = u64::from(goal.saturating_sub(*row.level)) * width;
                 let counts = self.pixels.row(&mut row, goal);
@@ -176,9 +177,9 @@ impl Run<'_> {
                 }
                 counts
             })
-            .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-        film.rays += rays;
-        film.invalid += invalid;
+            .reduce(Counts::default, |a, b| Counts { rays: a.rays + b.rays, invalid: a.invalid + b.invalid });
+        film.rays += counts.rays;
+        film.invalid += counts.invalid;
         cancelled.into_inner()
     }
 
@@ -188,75 +189,5 @@ impl Run<'_> {
         let by_time = self.stop.time.map_or(0.0, |time| elapsed.as_secs_f64() / time.as_secs_f64().max(1e-9));
         let by_noise = self.stop.noise.zip(error).map_or(0.0, |(goal, error)| f64::from(goal / error).powi(2));
         by_spp.max(by_time).max(by_noise).min(1.0) as f32
-    }
-}
-
-/// What a pixel needs to be sampled.
-struct Pixels<'a> {
-    cx: Context<'a>,
-    view: CameraView,
-    previous: Option<Previous<'a>>,
-    filter: FilterSampler,
-    slots: Slots,
-    channels: usize,
-}
-
-impl Pixels<'_> {
-    /// Brings a row to `goal` samples per pixel; counts rays and invalid samples.
-    fn row(&self, row: &mut Row, goal: u32) -> (u64, u64) {
-        let mut record = vec![0.0; self.channels];
-        let (mut rays, mut invalid) = (0, 0);
-        for x in 0..self.cx.settings.size.x {
-            for sample in row.count(x, *row.level)..row.count(x, goal) {
-                record.fill(0.0);
-                rays += self.sample(UVec2::new(x, row.y), sample, &mut record);
-                invalid += u64::from(!row.add(x, sample, &record));
-            }
-        }
-        *row.level = goal.max(*row.level);
-        (rays, invalid)
-    }
-
-    /// One sample of one pixel: fills `record`, returns the number of rays.
-    fn sample(&self, pixel: UVec2, sample: u32, record: &mut [f32]) -> u64 {
-        let settings = self.cx.settings;
-        let sampler = &mut Sampler::new(settings.sampler, settings.seed, pixel, sample);
-        let pixel_key = u64::from(pixel.y) << 32 | u64::from(pixel.x);
-        let chance = &mut Chance::new(hash_u64(hash_u64(settings.seed ^ hash_u64(pixel_key)) ^ u64::from(sample)));
-        let place = pixel.as_vec2() + 0.5 + self.filter.offset(sampler.next_2d());
-        let start = first_ray(&self.cx, self.view.ray(place, sampler.next_2d()), chance);
-        match settings.integrator {
-            Integrator::Path | Integrator::Direct => {
-                self.cx.path(start, 0, sampler, chance, &mut Record { slots: &self.slots, channels: record });
-            }
-            Integrator::BsdfOnly => self.cx.bsdf_only(start, sampler, chance, &mut Record { slots: &self.slots, channels: record }),
-            quick => {
-                let value = self.quick(quick, start, sampler, chance);
-                Record { slots: &self.slots, channels: record }.add(0, value);
-            }
-        }
-        if self.slots.first_hit || self.slots.coverage.is_some() {
-            self.cx.first_hit(start, &self.view, self.previous.as_ref(), &self.slots, (sampler, chance), record);
-        }
-        chance.rays
-    }
-
-    /// The integrators that look at the first hit only.
-    fn quick(&self, integrator: Integrator, start: TracedRay, sampler: &mut Sampler, chance: &mut Chance) -> LinearRgb {
-        let mut room = None;
-        let surface = start.hit.and_then(|hit| Surface::new(self.cx.world, &hit, -start.ray.direction, false, &mut room));
-        let Some(surface) = surface else {
-            let open = matches!(integrator, Integrator::Ao | Integrator::AoUniform);
-            return if open { LinearRgb::WHITE } else { LinearRgb::BLACK };
-        };
-        sampler.start_bounce(0);
-        match integrator {
-            Integrator::Albedo => surface.material.params.base_color,
-            Integrator::Normal => LinearRgb(surface.normal() * 0.5 + 0.5),
-            _ => {
-                let uniform = integrator == Integrator::AoUniform;
-                LinearRgb::splat(self.cx.ambient(&surface, uniform, sampler.next_2d(), chance).1)
-            }
-        }
     }
 }

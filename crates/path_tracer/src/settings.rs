@@ -218,7 +218,8 @@ impl LightSampler {
 pub enum RussianRoulette {
     /// Paths end at the depth limit only.
     Off,
-    /// From the third bounce on, q is twice the largest channel of the path's throughput, at most 0.95.
+    /// From the second bounce on, or the third where the second is a mirror or clear glass, q is twice the largest channel of the path's
+    /// throughput, at most 1; from the eighth on at most 0.95.
     #[default]
     Throughput,
     /// q at every bounce.
@@ -226,20 +227,26 @@ pub enum RussianRoulette {
 }
 
 impl RussianRoulette {
-    /// First bounce at which [`RussianRoulette::Throughput`] may end a path: the first ones carry most of the picture.
-    const START: u32 = 3;
+    /// First bounce at which [`RussianRoulette::Throughput`] may end a path: direct light needs the first.
+    const START: u32 = 2;
+    /// The same for a bounce that has one direction: straight through a body of glass, light has no noise but what roulette would add.
+    const START_STRAIGHT: u32 = 3;
     /// Survival over throughput. More paths live, at less than the noise of ending them early costs: docs/performance.md, Roulette.
     const FACTOR: f32 = 2.0;
-    /// Bright paths in a closed white room still end.
+    /// Bright paths in a closed white room still end, but only when they are long.
+    const LONG: u32 = 8;
     const MAX_SURVIVAL: f32 = 0.95;
 
-    /// Probability that a path that has bounced `bounces` times goes on.
+    /// Probability that a path that has bounced `bounces` times, the last time in the one direction there was if `straight`, goes on.
     #[inline]
-    pub(crate) fn survival(self, bounces: u32, throughput_max: f32) -> f32 {
+    pub(crate) fn survival(self, bounces: u32, straight: bool, throughput_max: f32) -> f32 {
         match self {
             Self::Off => 1.0,
-            Self::Throughput if bounces < Self::START => 1.0,
-            Self::Throughput => (Self::FACTOR * throughput_max).min(Self::MAX_SURVIVAL),
+            Self::Throughput if bounces < if straight { Self::START_STRAIGHT } else { Self::START } => 1.0,
+            Self::Throughput => {
+                let most = if bounces < Self::LONG { 1.0 } else { Self::MAX_SURVIVAL };
+                (Self::FACTOR * throughput_max).min(most)
+            }
             Self::Constant(q) => q,
         }
     }

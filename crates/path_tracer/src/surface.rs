@@ -49,6 +49,7 @@ const MIRROR_ABOVE: f32 = 1e-3;
 impl<'a> Surface<'a> {
     /// `wo` points to where the ray came from, unit length. A material that differs from point to point is left in `room`. `None` for a
     /// triangle without area.
+    #[inline(always)]
     pub(crate) fn new(world: &'a World, hit: &Hit, wo: Vec3, lift: bool, room: &'a mut Option<SurfaceMaterial>) -> Option<Self> {
         let placed = &world.instances[hit.instance as usize];
         let info = &world.materials[placed.material as usize];
@@ -166,7 +167,7 @@ impl<'a> Surface<'a> {
     }
 
     /// f · |cos θ| and density of the BSDF towards the world direction `wi`, folded as the module says.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn eval(&self, bsdf: &AnyBsdfView, wi: Vec3) -> (LobeValues, f32) {
         let local = self.frame.to_local(wi);
         let height = wi.dot(self.geometric_normal) * self.frame_side;
@@ -187,7 +188,7 @@ impl<'a> Surface<'a> {
     }
 
     /// The world direction of a sample, folded; `None` where a transmissive surface carries no light.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn direction_of(&self, sample: &BsdfSample) -> Option<Vec3> {
         let wi = self.frame.to_world(sample.wi);
         let height = wi.dot(self.geometric_normal) * self.frame_side;
@@ -198,14 +199,14 @@ impl<'a> Surface<'a> {
     }
 
     /// Density of [`Surface::direction_of`] at `wi`, which `sample` gave.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn pdf_of(&self, bsdf: &AnyBsdfView, sample: &BsdfSample, wi: Vec3) -> f32 {
         let folds = !self.transmissive && self.frame.z.dot(self.mirrored(wi)) > 0.0;
         if folds { self.eval(bsdf, wi).1 } else { sample.pdf }
     }
 
     /// Mirror image at the geometric surface.
-    #[inline]
+    #[inline(always)]
     fn mirrored(&self, wi: Vec3) -> Vec3 {
         wi - 2.0 * wi.dot(self.geometric_normal) * self.geometric_normal
     }
@@ -218,7 +219,7 @@ impl<'a> Surface<'a> {
 }
 
 /// Bends a unit normal towards `wo` until the mirror direction of `wo` lies above the geometric surface.    \[Keller17] appendix
-#[inline]
+#[inline(always)]
 fn bent(normal: Vec3, geometric: Vec3, wo: Vec3) -> Vec3 {
     let mirror = 2.0 * normal.dot(wo) * normal - wo;
     let above = mirror.dot(geometric);

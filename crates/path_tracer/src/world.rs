@@ -38,6 +38,32 @@ pub(crate) struct Placed {
     pub flat: bool,
 }
 
+/// Rays that leave no surface, traced together, each with the number that decides what is there for it.
+#[derive(Default)]
+pub(crate) struct Rays {
+    rays: Vec<Ray>,
+    chances: Vec<u64>,
+}
+
+impl Rays {
+    pub(crate) fn clear(&mut self) {
+        self.rays.clear();
+        self.chances.clear();
+    }
+
+    #[inline]
+    pub(crate) fn push(&mut self, ray: Ray, chance: u64) {
+        self.rays.push(ray);
+        self.chances.push(chance);
+    }
+
+    /// Ray number `number`.
+    #[inline]
+    pub(crate) fn ray(&self, number: usize) -> Ray {
+        self.rays[number]
+    }
+}
+
 /// What is known of a material before any hit.
 #[derive(Clone)]
 pub(crate) struct MaterialInfo {
@@ -161,6 +187,13 @@ impl World {
         } else {
             self.tlas.any_hit(ray, filter, |hit| self.is_there(hit, chance))
         }
+    }
+
+    /// [`World::closest`] of each ray; neighbours that run alike share a walk.
+    pub(crate) fn closest_of(&self, rays: &Rays, hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        hits.resize(rays.rays.len(), None);
+        self.tlas.closest_hits(&rays.rays, Filter::ALL, |ray, hit| self.is_there(hit, rays.chances[ray]), hits);
     }
 
     /// Whether the surface is there for this ray: the coverage against a number made of the ray's `chance` and the triangle, so that the answer

@@ -18,7 +18,7 @@ pub struct LambertView {
 
 impl Bsdf {
     /// Seen from `wo` like [`Bsdf::view`]; `None` unless the diffuse lobe is all there is.
-    #[inline]
+    #[inline(always)]
     pub fn lambert_view(&self, wo: Vec3) -> Option<LambertView> {
         let (scale, chance) = self.lambert?;
         Some(LambertView { scale, side: if wo.z < 0.0 { -1.0 } else { 1.0 }, chance })
@@ -27,18 +27,18 @@ impl Bsdf {
 
 impl LambertView {
     /// [`BsdfView::eval`](super::BsdfView::eval).
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, wi: Vec3) -> (LobeValues, f32) {
         self.eval_mirrored(wi.z * self.side)
     }
 
-    #[inline]
+    #[inline(always)]
     fn eval_mirrored(&self, cos: f32) -> (LobeValues, f32) {
         if cos > 0.0 { (LobeValues::new(self.scale * cos, Vec3::ZERO), self.chance * cos * FRAC_1_PI) } else { (LobeValues::ZERO, 0.0) }
     }
 
     /// [`BsdfView::sample`](super::BsdfView::sample): there is one lobe, so nothing to choose.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, u: Vec2) -> Option<BsdfSample> {
         if self.chance == 0.0 {
             return None;

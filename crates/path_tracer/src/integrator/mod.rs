@@ -86,12 +86,6 @@ pub(crate) fn transmittance(absorption: LinearRgb, distance: f32) -> LinearRgb {
     if absorption.is_black() { LinearRgb::WHITE } else { LinearRgb((-absorption.0 * distance).map(f32::exp)) }
 }
 
-/// The nearest surface along a camera ray.
-pub(crate) fn first_ray(cx: &Context, camera: crate::camera::CameraRay, chance: &mut Chance) -> TracedRay {
-    let ray = Ray { origin: camera.origin, t_min: camera.t_min, direction: camera.direction, t_max: f32::INFINITY };
-    TracedRay { ray, hit: cx.world.closest(&ray, None, chance.next()) }
-}
-
 /// A ray of unit direction without end.
 #[inline]
 pub(crate) fn open_ray(origin: Vec3, direction: Vec3) -> Ray {

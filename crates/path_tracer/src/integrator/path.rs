@@ -25,6 +25,27 @@ use kajo_units::LinearRgb;
 pub(super) const BEFORE_LIGHT: f32 = 1.0 - 2e-5;
 
 impl Context<'_> {
+    /// What a camera ray meets of lamps and sky.
+    pub(crate) fn emission(&self, TracedRay { ray, hit }: TracedRay, sink: &mut impl Sink) {
+        let t_max = hit.map_or(f32::INFINITY, |hit| hit.t);
+        self.lights.along(ray.origin, ray.direction, t_max, |t, seen| {
+            if t > ray.t_min {
+                sink.light(0, seen.light, Split::CAMERA.scaled(seen.radiance));
+            }
+        });
+        let Some(found) = hit else {
+            self.lights.beyond(self.world, ray.direction, |seen| sink.light(0, seen.light, Split::CAMERA.scaled(seen.radiance)));
+            return;
+        };
+        if self.lights.of_instance(found.instance).is_some() {
+            let mut room = None;
+            let surface = Surface::new(self.world, &found, -ray.direction, false, &mut room);
+            if let Some((light, radiance)) = surface.and_then(|surface| surface.emission(self.world, self.lights)) {
+                sink.light(0, light, Split::CAMERA.scaled(radiance));
+            }
+        }
+    }
+
     /// Follows the path that starts with `start`; leaves everything it finds in `sink`. Bounce b uses the random numbers of bounce
     /// `dimensions + b`.
     pub(crate) fn path(&self, start: TracedRay, dimensions: u32, sampler: &mut Sampler, chance: &mut Chance, sink: &mut impl Sink) {
@@ -89,7 +110,8 @@ impl Context<'_> {
             ray_pdf = if is_delta { f32::INFINITY } else { surface.pdf_of(&view, &sample, wi) };
             receiver = (!is_delta).then(|| surface.receiver());
             compression *= sample.eta2;
-            let survival = self.settings.russian_roulette.survival(bounces, compression * throughput.total().max_component());
+            let brightness = compression * throughput.total().max_component();
+            let survival = self.settings.russian_roulette.survival(bounces, sample.lobe.is_delta(), brightness);
             if survival < 1.0 {
                 if sampler.next_1d() >= survival {
                     return;

@@ -54,7 +54,7 @@ pub fn uniform_hemisphere_pdf(d: Vec3) -> f32 {
 /// Cosine-weighted on the hemisphere: a uniform disc lifted to the sphere.    \[Malley88]
 ///
 /// The rim of the disc (one point in 2²³) is lifted by 1e-5, so that the density is never zero and no sample is lost.
-#[inline]
+#[inline(always)]
 pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
     let p = concentric_disk(u);
     p.extend((1.0 - p.length_squared()).max(1e-10).sqrt())

@@ -28,13 +28,13 @@ impl Context<'_> {
     /// What a camera ray meets of lamps and sky.
     pub(crate) fn emission(&self, TracedRay { ray, hit }: TracedRay, sink: &mut impl Sink) {
         let t_max = hit.map_or(f32::INFINITY, |hit| hit.t);
-        self.lights.along(ray.origin, ray.direction, t_max, |t, seen| {
+        self.lights.along(None, ray.origin, ray.direction, t_max, |t, seen| {
             if t > ray.t_min {
                 sink.light(0, seen.light, Split::CAMERA.scaled(seen.radiance));
             }
         });
         let Some(found) = hit else {
-            self.lights.beyond(self.world, ray.direction, |seen| sink.light(0, seen.light, Split::CAMERA.scaled(seen.radiance)));
+            self.lights.beyond(self.world, None, ray.direction, |seen| sink.light(0, seen.light, Split::CAMERA.scaled(seen.radiance)));
             return;
         };
         if self.lights.of_instance(found.instance).is_some() {

@@ -5,6 +5,7 @@ use crate::{
     build::{BinaryTree, BuildOptions, Sah},
     error::BvhError,
     geometry::{Geometry, Procedural},
+    pages,
     ray::Ray,
     refit::UpdateReport,
     triangle::{BLOCK_SIZE, Block, Crossing, NO_PRIMITIVE},
@@ -75,8 +76,8 @@ impl Blas {
 
     /// Gives back the room that the build left over.
     fn trim(&mut self) {
-        self.tree.nodes.shrink_to_fit();
-        self.blocks.shrink_to_fit();
+        self.tree.nodes = pages::settled(std::mem::take(&mut self.tree.nodes));
+        self.blocks = pages::settled(std::mem::take(&mut self.blocks));
     }
 
     /// Moves what it was built over and keeps the tree: much faster than a build, but the boxes fit the worse, the more neighbours part. The report tells

@@ -34,6 +34,7 @@ mod limits;
 mod many;
 mod offset;
 mod packet;
+mod pages;
 mod ray;
 mod refit;
 pub mod slab;

@@ -119,6 +119,7 @@ def main():
     parser.add_argument("--any-hit", action="store_true")
     parser.add_argument("--repeat", type=int, default=5)
     parser.add_argument("--turns", type=int, default=3)
+    parser.add_argument("--cells", type=int, default=400, help="cells along a side of the terrain; 1000 make two million triangles")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         program = build_embree(folder)
@@ -126,7 +127,7 @@ def main():
             agree = compare("given rays", program, arguments, arguments.triangles, arguments.rays, arguments.any_hit)
             sys.exit(0 if agree else 1)
         path = {name: pathlib.Path(folder, name) for name in ("triangles", "camera", "diffuse", "shadow", "hits")}
-        triangles, camera = terrain(), camera_rays()
+        triangles, camera = terrain(arguments.cells), camera_rays()
         triangles.tofile(path["triangles"])
         camera.tofile(path["camera"])
         embree(program, path["triangles"], path["camera"], False, 1, path["hits"])

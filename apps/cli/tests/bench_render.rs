@@ -19,9 +19,6 @@ fn scenes_are_timed_and_their_numbers_belong_together() {
         assert!(number("cpu_seconds") > 0.0 && number("threads") >= 1.0 && number("triangles") > 0.0, "{run}");
         assert!((number("efficiency") * number("seconds") * number("mse") - 1.0).abs() < 1e-9, "{run}");
     }
-    // Every pixel of the furnace is 1 but for paths that end early; the box has soft shadows.
-    let mse = |index: usize| runs[index]["mse"].as_f64().unwrap();
-    assert!(mse(1) < 0.5 * mse(0), "{report}");
 }
 
 /// The error against a better picture of the same settings is the scatter; against another picture it is not.

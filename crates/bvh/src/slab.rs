@@ -7,7 +7,7 @@
 //! the ray's constants, so that a box costs six multiply-adds and no correction. `|o|` is the greatest coordinate of the origin.
 
 use crate::{aabb::Aabb, ray::Ray, wide::WIDTH};
-use glam::Vec3A;
+use glam::{BVec3A, Vec3A};
 
 /// 16 ε: the margin in units of D + |o|.
 pub const MARGIN: f32 = 1.0 / 1048576.0;
@@ -15,6 +15,9 @@ pub const MARGIN: f32 = 1.0 / 1048576.0;
 /// Least magnitude of a direction's component, relative to the greatest. Raising a smaller one moves the ray by less than the margin
 /// and keeps its reciprocal finite.
 const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 40) as f32;
+
+/// Sums of two distances up to this are numbers.
+const GREATEST_DISTANCE: f32 = 1e37;
 
 /// A ray prepared for boxes: the near and the far plane of an axis are met at `plane · reciprocal + near` and `… + far`.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +45,8 @@ impl SlabRay {
         let origin = Vec3A::from_vec4(ray.origin.extend(ray.t_min));
         let direction = Vec3A::from_vec4(ray.direction.extend(ray.t_max));
         let distance = (Vec3A::from(bounds.min) - origin).abs().max((Vec3A::from(bounds.max) - origin).abs());
-        let e = margin * (distance.max_element() + origin.abs().max_element()) + extra;
+        let reach = distance.max_element() + origin.abs().max_element();
+        let e = margin * reach + extra;
         let size = direction.abs();
         let least = Vec3A::splat(size.max_element() * LEAST_COMPONENT);
         let reciprocal = 1.0 / size.max(least).copysign(direction);
@@ -50,7 +54,7 @@ impl SlabRay {
         let outwards = Vec3A::splat(e).copysign(direction);
         let negative = direction.is_negative_bitmask() as usize;
         let side = [negative & 1, negative >> 1 & 1, negative >> 2 & 1];
-        Self {
+        let slab = Self {
             reciprocal,
             near: (origin + outwards) * reversed,
             far: (origin - outwards) * reversed,
@@ -58,6 +62,26 @@ impl SlabRay {
             far_planes: [WIDTH * (1 - side[0]), WIDTH * (3 - side[1]), WIDTH * (5 - side[2])],
             octant: negative & 7,
             t_min: ray.t_min,
+        };
+        // No plane and no part of the origin is farther from zero than `reach`. Comparisons with NaN are false.
+        let fits = (reciprocal * (reach + e)).abs().cmple(Vec3A::splat(GREATEST_DISTANCE));
+        if fits.all() { slab } else { slab.without_axes(!fits) }
+    }
+
+    /// Without the axes whose distances overflow, as with a direction of 10⁻³⁷: there every plane is met at −∞ and left at +∞.
+    #[cold]
+    fn without_axes(self, axes: BVec3A) -> Self {
+        Self {
+            reciprocal: Vec3A::select(axes, Vec3A::ZERO, self.reciprocal),
+            near: Vec3A::select(axes, Vec3A::NEG_INFINITY, self.near),
+            far: Vec3A::select(axes, Vec3A::INFINITY, self.far),
+            ..self
         }
+    }
+
+    /// Whether it lacks axes. The box of a child that is not there, whose planes are infinite, may then count as met.
+    #[inline(always)]
+    pub fn lacks_axes(&self) -> bool {
+        !self.near.is_finite()
     }
 }

@@ -196,6 +196,10 @@ impl<'a, F: FnMut(usize, &Hit) -> bool, R: FnMut(usize, Nearest), const ANY: boo
                 flight.slab = SlabRay::new(ray, &flight.tree.bounds, margin, extra);
                 flight.slab_in_world = flight.slab;
             }
+            if flight.slab.lacks_axes() {
+                self.start_alone(flight);
+                continue;
+            }
             let mut stack = Stack::new(storage);
             stack.push_child(Child::NONE);
             stack.push_child(flight.tree.root);
@@ -204,7 +208,15 @@ impl<'a, F: FnMut(usize, &Hit) -> bool, R: FnMut(usize, Nearest), const ANY: boo
         }
     }
 
-    /// A leaf of the upper level is an instance. One with shapes is traced at once.
+    /// The whole of a ray that lacks axes: it meets children that are not there, which here are marks.
+    #[cold]
+    fn start_alone(&mut self, flight: &mut Flight<'a>) {
+        let accept = &mut self.accept;
+        let nearest = self.tlas.nearest::<_, ANY>(&self.rays[flight.ray], self.filter, |hit| accept(flight.ray, hit));
+        (self.report)(flight.ray, nearest);
+    }
+
+    /// A leaf of the upper level is an instance. One with shapes is traced at once, and a ray that lacks axes in it.
     #[inline(always)]
     fn enter<L: Lanes>(&mut self, flight: &mut Flight<'a>, storage: &mut Storage) {
         let mut stack = Stack::of(storage);
@@ -215,12 +227,13 @@ impl<'a, F: FnMut(usize, &Hit) -> bool, R: FnMut(usize, Nearest), const ANY: boo
             && let Some(ray) = placed.local_ray(&self.rays[flight.ray])
         {
             let inside = self.inside(placed);
-            if inside.blas.shapes().is_some() {
+            let slab = SlabRay::new(&ray, &inside.blas.tree().bounds, MARGIN, 0.0);
+            if inside.blas.shapes().is_some() || slab.lacks_axes() {
                 self.alone::<L>(flight, &inside, &ray);
                 flight.hit::<ANY>(&mut stack);
             } else {
                 flight.tree = inside.blas.tree();
-                flight.slab = SlabRay::new(&ray, &flight.tree.bounds, MARGIN, 0.0);
+                flight.slab = slab;
                 flight.sheared = ShearedRay::new(&ray);
                 flight.inside = Some(inside);
                 stack.push_child(Child::NONE);

@@ -127,7 +127,8 @@ pub(crate) fn walk<L: Lanes, B: AgainstBoxes, V: Visitor>(tree: &WideTree, again
     let mut child = tree.root;
     loop {
         if child.is_leaf() {
-            if visitor.leaf::<L>(child.items()) {
+            // What is not there is met by rays that lack axes.
+            if child != Child::NONE && visitor.leaf::<L>(child.items()) {
                 return;
             }
             limit = visitor.limit();

@@ -20,6 +20,9 @@ pub(crate) const EDGE_RAYS: u32 = 8;
 /// Difference of luminance within three by three pixels, over the greatest, that is an edge.
 const CONTRAST: f32 = 0.5;
 
+/// The same over the mean of the image: edges within a photographed sky, and those of bodies before it, are no brighter than the rest of the picture.
+const PROMINENCE: f32 = 2.0;
+
 /// The pixels with edges.
 pub(crate) struct Edges {
     width: usize,
@@ -42,13 +45,14 @@ impl Edges {
     /// The pixels of an image with edges around them.
     fn between(width: usize, seen: &[f32]) -> Option<Self> {
         let height = seen.len() / width;
+        let prominent = PROMINENCE * seen.iter().sum::<f32>() / seen.len() as f32;
         let is_edge = |pixel: usize| {
             let (x, y) = (pixel % width, pixel / width);
             let rows = y.saturating_sub(1)..(y + 2).min(height);
             let columns = x.saturating_sub(1)..(x + 2).min(width);
             let around = rows.flat_map(|y| &seen[y * width..][columns.clone()]);
             let (low, high) = around.fold((f32::INFINITY, 0.0f32), |(low, high), &value| (low.min(value), high.max(value)));
-            high - low > CONTRAST * high
+            high - low > prominent.max(CONTRAST * high)
         };
         let pixels: Vec<bool> = (0..seen.len()).into_par_iter().map(is_edge).collect();
         pixels.contains(&true).then_some(Self { width, pixels })
@@ -107,6 +111,11 @@ mod tests {
         }
         let slope: Vec<f32> = (0..35).map(|pixel| 10.0 + (pixel % 7) as f32).collect();
         assert!(Edges::between(7, &slope).is_none() && Edges::between(7, &[0.0; 35]).is_none());
+        // A bright half is no lamp, a bright pixel among others is one.
+        let half: Vec<f32> = (0..35).map(|pixel| if pixel % 7 < 4 { 1.0 } else { 0.2 }).collect();
+        assert!(Edges::between(7, &half).is_none());
+        let sun: Vec<f32> = half.iter().enumerate().map(|(pixel, &sky)| if pixel == 16 { 100.0 } else { sky }).collect();
+        assert!(Edges::between(7, &sun).is_some_and(|edges| edges.at(UVec2::new(2, 2)) && !edges.at(UVec2::new(5, 2))));
     }
 
     /// Emission alone, by several seeds: for each its mean, and the mean squared error of a picture.

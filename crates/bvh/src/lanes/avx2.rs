@@ -8,7 +8,6 @@ use crate::{
     triangle::{Block, ShearedRay},
     wide::{Child, Node},
 };
-use glam::Vec3A;
 use std::arch::x86_64::*;
 
 /// Eight boxes in one register, four triangles in half of one. Used only inside functions that enable the features, after
@@ -54,18 +53,24 @@ impl Lanes for Avx2 {
         let planes = node.planes.as_ptr().cast::<f32>();
         // SAFETY: as in `boxes`; `Frustum::new` makes the starts of rows.
         unsafe {
-            let at = |plane: __m256, r: f32, shift: f32| _mm256_fmadd_ps(plane, _mm256_set1_ps(r), _mm256_set1_ps(shift));
-            let near = |axis: usize| {
-                let (plane, r, shift) =
-                    (_mm256_load_ps(planes.add(frustum.near_planes[axis])), frustum.reciprocal[axis], frustum.near[axis]);
-                _mm256_min_ps(at(plane, r.low, shift.low), at(plane, r.high, shift.high))
-            };
-            let far = |axis: usize| {
-                let (plane, r, shift) = (_mm256_load_ps(planes.add(frustum.far_planes[axis])), frustum.reciprocal[axis], frustum.far[axis]);
-                _mm256_max_ps(at(plane, r.low, shift.low), at(plane, r.high, shift.high))
-            };
-            let near = _mm256_max_ps(_mm256_max_ps(near(0), near(1)), _mm256_max_ps(near(2), _mm256_set1_ps(frustum.t_min)));
-            let far = _mm256_min_ps(_mm256_min_ps(far(0), far(1)), _mm256_min_ps(far(2), _mm256_set1_ps(t_max)));
+            // No closures: what they call may end up outside of the function that has the instructions.
+            macro_rules! met {
+                ($planes:ident, $of:ident, $choose:ident, $axis:literal) => {{
+                    let (plane, r, shift) =
+                        (_mm256_load_ps(planes.add(frustum.$planes[$axis])), frustum.reciprocal[$axis], frustum.$of[$axis]);
+                    let low = _mm256_fmadd_ps(plane, _mm256_set1_ps(r.low), _mm256_set1_ps(shift.low));
+                    $choose(low, _mm256_fmadd_ps(plane, _mm256_set1_ps(r.high), _mm256_set1_ps(shift.high)))
+                }};
+            }
+            let near = [
+                met!(near_planes, near, _mm256_min_ps, 0),
+                met!(near_planes, near, _mm256_min_ps, 1),
+                met!(near_planes, near, _mm256_min_ps, 2),
+            ];
+            let far =
+                [met!(far_planes, far, _mm256_max_ps, 0), met!(far_planes, far, _mm256_max_ps, 1), met!(far_planes, far, _mm256_max_ps, 2)];
+            let near = _mm256_max_ps(_mm256_max_ps(near[0], near[1]), _mm256_max_ps(near[2], _mm256_set1_ps(frustum.t_min)));
+            let far = _mm256_min_ps(_mm256_min_ps(far[0], far[1]), _mm256_min_ps(far[2], _mm256_set1_ps(t_max)));
             let met = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32;
             let mut distances = Distances([0.0; 8]);
             _mm256_store_ps(distances.0.as_mut_ptr(), near);
@@ -165,14 +170,21 @@ pub(super) fn entry_and_exit(ray: &SlabRay, node: &Node, t_max: f32) -> (__m256,
     let planes = node.planes.as_ptr().cast::<f32>();
     // SAFETY: the callers are there; `SlabRay::new` makes the starts of rows of 8 floats among the 48 planes, and rows are aligned like the node.
     unsafe {
-        let at = |first: usize, axis: usize, shift: &Vec3A| {
-            _mm256_fmadd_ps(_mm256_load_ps(planes.add(first)), _mm256_set1_ps(ray.reciprocal[axis]), _mm256_set1_ps(shift[axis]))
-        };
-        let near = |axis: usize| at(ray.near_planes[axis], axis, &ray.near);
-        let far = |axis: usize| at(ray.far_planes[axis], axis, &ray.far);
+        // No closures: what they call may end up outside of the function that has the instructions.
+        macro_rules! met {
+            ($planes:ident, $of:ident, $axis:literal) => {
+                _mm256_fmadd_ps(
+                    _mm256_load_ps(planes.add(ray.$planes[$axis])),
+                    _mm256_set1_ps(ray.reciprocal[$axis]),
+                    _mm256_set1_ps(ray.$of[$axis]),
+                )
+            };
+        }
+        let near = [met!(near_planes, near, 0), met!(near_planes, near, 1), met!(near_planes, near, 2)];
+        let far = [met!(far_planes, far, 0), met!(far_planes, far, 1), met!(far_planes, far, 2)];
         // Where a product overflows to NaN, max and min return their second operand, and at last `t_min` and `t_max`: the box counts as met.
-        let near = _mm256_max_ps(_mm256_max_ps(near(0), near(1)), _mm256_max_ps(near(2), _mm256_set1_ps(ray.t_min)));
-        let far = _mm256_min_ps(_mm256_min_ps(far(0), far(1)), _mm256_min_ps(far(2), _mm256_set1_ps(t_max)));
+        let near = _mm256_max_ps(_mm256_max_ps(near[0], near[1]), _mm256_max_ps(near[2], _mm256_set1_ps(ray.t_min)));
+        let far = _mm256_min_ps(_mm256_min_ps(far[0], far[1]), _mm256_min_ps(far[2], _mm256_set1_ps(t_max)));
         (near, far)
     }
 }

@@ -49,7 +49,7 @@ pub fn run(common: &Common, arguments: &BenchEnvironment) -> Outcome {
     let mut steps = [0u64; 4];
     for &(xi, u) in &numbers {
         kd.sample_counted(xi.into(), u, &mut steps[0]);
-        cdf.sample_by_search(u, &mut steps[1]);
+        cdf.sample_counted(u, &mut steps[1]);
         hash.density_counted(u, &mut steps[2]);
         if let Some(packed) = &packed {
             packed.density_counted(u, &mut steps[3]);
@@ -79,7 +79,6 @@ pub fn run(common: &Common, arguments: &BenchEnvironment) -> Outcome {
             "kd": nanoseconds(&|xi, u| kd.sample(xi.into(), u).1),
             "kd_packed_tree": packed.as_ref().map(|packed| nanoseconds(&|xi, u| packed.sample(xi.into(), u).1)),
             "cdf": nanoseconds(&|_, u| cdf.sample(u).1),
-            "cdf_by_search": nanoseconds(&|_, u| cdf.sample_by_search(u, &mut ()).1),
             "alias": nanoseconds(&|_, u| alias.sample(u).1),
         },
         "sample_reads": { "kd": reads[0], "cdf": reads[1] },

@@ -12,8 +12,6 @@ pub struct Piecewise1d {
     cdf: Vec<f32>,
     /// Density in each cell; mean 1.
     density: Vec<f32>,
-    /// For each of n equal steps of u and one more: how many values of `cdf` lie in an earlier step. What a search need not look at.    \[Chen74]
-    guide: Vec<u32>,
     mean: f32,
 }
 
@@ -36,34 +34,24 @@ impl Piecewise1d {
         // Cells after the last positive one must stay empty, so all of them end at exactly 1.
         let last = values.iter().rposition(|&v| share(v) > 0.0).unwrap_or(values.len() - 1);
         cdf[last + 1..].fill(1.0);
-        let density: Vec<f32> = values.iter().map(|&v| (share(v) * n) as f32).collect();
-        let guide = (0..=density.len()).map(|k| cdf.partition_point(|&c| step(c, density.len()) < k) as u32).collect();
-        Some(Self { cdf, density, guide, mean: (total / n) as f32 })
+        Some(Self { cdf, density: values.iter().map(|&v| (share(v) * n) as f32).collect(), mean: (total / n) as f32 })
     }
 
-    /// A point x in [0, 1), its density and its cell, in constant time on average over u.
+    /// A point x in [0, 1), its density and its cell.
     #[inline]
     pub fn sample(&self, u: f32) -> (f32, f32, usize) {
-        let k = step(u, self.density.len());
-        let (first, end) = (self.guide[k] as usize, self.guide[k + 1] as usize);
-        self.point(u, first + self.cdf[first..end].partition_point(|&c| c <= u))
+        self.sample_counted(u, &mut ())
     }
 
-    /// [`Self::sample`] without the guide: a search through all cells, whose reads are counted. The same result; what guides are measured against.
+    /// [`Self::sample`], counting the reads of the search.
     #[inline]
-    pub fn sample_by_search(&self, u: f32, steps: &mut impl Steps) -> (f32, f32, usize) {
+    pub fn sample_counted(&self, u: f32, steps: &mut impl Steps) -> (f32, f32, usize) {
         let below = |&c: &f32| {
             steps.step();
             c <= u
         };
-        self.point(u, self.cdf.partition_point(below))
-    }
-
-    /// The point of u, of which `below` values of the cumulative distribution are ≤ u.
-    #[inline]
-    fn point(&self, u: f32, below: usize) -> (f32, f32, usize) {
         // The last cell whose lower bound is ≤ u; empty cells are skipped because their bounds coincide.
-        let cell = below.clamp(1, self.density.len()) - 1;
+        let cell = (self.cdf.partition_point(below)).clamp(1, self.density.len()) - 1;
         let (low, high) = (self.cdf[cell], self.cdf[cell + 1]);
         let t = if high > low { ((u - low) / (high - low)).clamp(0.0, ONE_MINUS_EPSILON) } else { 0.5 };
         // Rounding must not move x into a neighbouring cell: stay two units in the last place inside the bounds.
@@ -107,12 +95,6 @@ impl Piecewise1d {
     }
 }
 
-/// Which of n equal steps of [0, 1] a number lies in; monotone, so numbers of an earlier step are smaller.
-#[inline]
-fn step(u: f32, n: usize) -> usize {
-    ((u * n as f32) as usize).min(n - 1)
-}
-
 /// A density on [0, 1)² that is constant in each of width × height equal cells: marginal in y, conditional in x.    \[Pharr04]
 #[derive(Clone, Debug)]
 pub struct Piecewise2d {
@@ -134,16 +116,14 @@ impl Piecewise2d {
     /// A point and its density per unit area of the square.
     #[inline]
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
-        let (y, pdf_y, row) = self.marginal.sample(u.y);
-        let (x, pdf_x, _) = self.rows[row].sample(u.x);
-        (Vec2::new(x, y), pdf_x * pdf_y)
+        self.sample_counted(u, &mut ())
     }
 
-    /// [`Self::sample`] by two searches whose reads are counted: O(log width + log height).
+    /// [`Self::sample`], counting the reads of both searches: O(log width + log height).
     #[inline]
-    pub fn sample_by_search(&self, u: Vec2, steps: &mut impl Steps) -> (Vec2, f32) {
-        let (y, pdf_y, row) = self.marginal.sample_by_search(u.y, steps);
-        let (x, pdf_x, _) = self.rows[row].sample_by_search(u.x, steps);
+    pub fn sample_counted(&self, u: Vec2, steps: &mut impl Steps) -> (Vec2, f32) {
+        let (y, pdf_y, row) = self.marginal.sample_counted(u.y, steps);
+        let (x, pdf_x, _) = self.rows[row].sample_counted(u.x, steps);
         (Vec2::new(x, y), pdf_x * pdf_y)
     }
 
@@ -176,9 +156,7 @@ impl Piecewise2d {
 
     /// Memory of the tables, bytes.
     pub fn bytes(&self) -> usize {
-        let bytes =
-            |row: &Piecewise1d| size_of_val(row.cdf.as_slice()) + size_of_val(row.density.as_slice()) + size_of_val(row.guide.as_slice());
-        self.rows.iter().chain([&self.marginal]).map(bytes).sum()
+        self.rows.iter().chain([&self.marginal]).map(|row| size_of_val(row.cdf.as_slice()) + size_of_val(row.density.as_slice())).sum()
     }
 
     /// Memory of the cumulative values alone, bytes: densities are their differences, and a program short of memory would store only these.
@@ -237,35 +215,12 @@ mod tests {
             let d = Piecewise2d::new(&vec![1.0; width * height], width, height).unwrap();
             let (mut reads, mut rng) = (0u64, Rng::new(43));
             for _ in 0..1000 {
-                d.sample_by_search(rng.next_2d(), &mut reads);
+                d.sample_counted(rng.next_2d(), &mut reads);
             }
             reads as f64 / 1000.0
         };
         let [small, middle, large] = [reads(64, 32), reads(256, 128), reads(1024, 512)];
         assert!((middle - small - 4.0).abs() < 0.5 && (large - middle - 4.0).abs() < 0.5, "{small}, {middle}, {large}");
-    }
-
-    /// At random places, at every bound of a cell and beside it, for cells of all sizes and empty ones.
-    #[test]
-    fn a_guide_changes_nothing() {
-        let mut rng = Rng::new(77);
-        for n in [1, 2, 3, 7, 100, 1000] {
-            let peak = |i: usize| if i == n / 3 { 1e6 } else { 0.0 };
-            let shapes: [Vec<f32>; 4] = [
-                (0..n).map(|_| rng.next_1d()).collect(),
-                (0..n).map(|_| (rng.next_1d() - 0.9).max(0.0).powi(4)).collect(),
-                (0..n).map(|i| peak(i) + rng.next_1d()).collect(),
-                (0..n).map(peak).collect(),
-            ];
-            for values in shapes {
-                let d = Piecewise1d::new(&values).unwrap();
-                let beside = d.cdf.iter().flat_map(|c| [c.next_down(), *c, c.next_up()]).map(|u| u.clamp(0.0, ONE_MINUS_EPSILON));
-                let random: Vec<f32> = (0..2000).map(|_| rng.next_1d()).collect();
-                for u in beside.chain(random) {
-                    assert_eq!(d.sample(u), d.sample_by_search(u, &mut ()), "{n} cells, u = {u}");
-                }
-            }
-        }
     }
 
     #[test]

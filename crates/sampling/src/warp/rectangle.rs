@@ -39,9 +39,7 @@ impl Rectangle {
         let corner = self.corner - point;
         match DistantRectangle::new(corner, self.edge_x, self.edge_y, corner.dot(self.normal).abs()) {
             Some(distant) => SeenRectangle::Distant(distant),
-            None => {
-                SeenRectangle::Near(SphericalRectangle::from_axes(point.as_dvec3(), self.corner.as_dvec3(), self.axes, self.lengths))
-            }
+            None => SeenRectangle::Near(SphericalRectangle::from_axes(point.as_dvec3(), self.corner.as_dvec3(), self.axes, self.lengths)),
         }
     }
 }

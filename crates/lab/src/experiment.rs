@@ -260,6 +260,8 @@ impl Experiment<'_> {
         self.files(&mut run, judge, &measured, &evaluation, folder)?;
         run.error = Some(evaluation.error.clone());
         run.temporal = evaluation.temporal.clone();
+        let new: Vec<_> = measured.ignored.into_iter().filter(|i| !self.report.ignored.contains(i)).collect();
+        self.report.ignored.extend(new);
         run.cost = Some(measured.cost);
         self.report.runs.push(run);
         Ok(Some((self.report.runs.len() - 1, evaluation)))

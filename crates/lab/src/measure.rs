@@ -5,8 +5,10 @@ use crate::plan::Choice;
 use crate::report::Cost;
 use kajo_image::Image;
 use kajo_renderer::{Error, FrameOutput, FrameSettings, Renderer, RoleSelection};
+use kajo_scene::Ignored;
 use kajo_techniques::Role;
 use kajo_units::LinearRgb;
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// Frames before the clock counts: shaders, caches and clocks settle.
@@ -19,6 +21,8 @@ pub struct Measured {
     pub takes: Vec<Take>,
     /// Of a frame.
     pub cost: Cost,
+    /// What the renderer and the technique took otherwise than the scene has it.
+    pub ignored: Vec<Ignored>,
 }
 
 /// Renders `frames` timed frames; the first `repeat` of them, frame numbers from `seed` on, are the takes.
@@ -39,6 +43,7 @@ pub fn measure(
     }
     let (mut takes, mut gpu, mut cpu) = (Vec::new(), Vec::new(), Vec::new());
     let (mut rays, mut memory_bytes) = (0, 0);
+    let (mut statistics, mut ignored) = (BTreeMap::<String, Vec<u64>>::new(), Vec::new());
     for frame in 0..frames.max(repeat) {
         let start = Instant::now();
         let output = renderer.render(&selection, &settings(frame))?;
@@ -46,6 +51,10 @@ pub fn measure(
             cpu.push(start.elapsed().as_secs_f64() * 1e3);
             gpu.push(output.timings.sum_of(choice.technique.id));
             rays = output.rays;
+            if frame == 0 {
+                output.statistics.iter().for_each(|s| statistics.entry(s.name.to_owned()).or_default().push(s.value));
+                ignored.clone_from(&output.ignored);
+            }
             memory_bytes = output.technique_bytes.iter().filter(|(id, _)| *id == choice.technique.id).map(|(_, bytes)| bytes).sum();
         }
         if frame < repeat {
@@ -58,8 +67,9 @@ pub fn measure(
         cpu_ms: percentile(&cpu, 0.5),
         memory_bytes,
         rays,
+        statistics,
     };
-    Ok(Measured { takes, cost })
+    Ok(Measured { takes, cost, ignored })
 }
 
 /// The role's image out of a frame.

@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3};
 use kajo_image::Image;
 use kajo_render_graph::Timings;
 use kajo_scene::Ignored;
+use kajo_techniques::{DebugView, Statistic};
 use kajo_units::{LinearRgb, Srgb8};
 
 /// A rendered frame, on the CPU.
@@ -30,7 +31,11 @@ pub struct FrameOutput {
     pub rays: u64,
     /// Pixels lit, each counted once for each group of lights.
     pub shaded_pixels: u32,
-    /// What this renderer does not simulate in this scene.
+    /// What the technique of the role direct visibility counted, light by light.
+    pub statistics: Vec<Statistic>,
+    /// Pictures of its inner workings, when they were asked for.
+    pub debug: Vec<DebugView>,
+    /// What this renderer and the technique do not simulate in this scene.
     pub ignored: Vec<Ignored>,
 }
 

@@ -240,6 +240,7 @@ impl Renderer {
         let rays_before = shadow.effect.rays(&device)?;
         let mut written = Vec::new();
         let mut visibility: Vec<Image<f32>> = Vec::new();
+        let (mut statistics, mut debug) = (Vec::new(), Vec::new());
         let mut timings = Timings::default();
 
         let first = self.context(view, settings, 0, 0);
@@ -263,6 +264,10 @@ impl Renderer {
             timings.merge(&graph.execute(&device, &mut pool)?);
             for light in self.watched.iter().filter(|light| (start..start + count).contains(light)) {
                 visibility.push(read::scalar(&device, &pool, slot::SHADOW_VISIBILITY, (light - start) as u32)?);
+            }
+            statistics.extend(shadow.effect.statistics(&frame)?);
+            if settings.debug {
+                debug.extend(shadow.effect.debug_views(&frame)?);
             }
         }
 
@@ -300,7 +305,9 @@ impl Renderer {
             technique_bytes: vec![shadow.bytes(&written, &pool), tone.bytes(&displayed, &pool)],
             rays: shadow.effect.rays(&device)? - rays_before,
             shaded_pixels: if self.lights.list.is_empty() { 0 } else { self.direct.shaded(&device)? },
-            ignored: self.ignored(),
+            statistics,
+            debug,
+            ignored: self.ignored().into_iter().chain(shadow.effect.notes()).collect(),
         };
         self.pool = pool;
         Ok(output)
@@ -377,7 +384,10 @@ impl Renderer {
             first_light: start as u32,
             draws: &self.geometry.draws,
             indices: &self.geometry.indices.wgpu,
+            scene: &self.scene,
+            snapshot: &self.current,
             bounds: self.bounds,
+            debug: settings.debug,
             exposure: settings.exposure.or(self.scene.exposure).unwrap_or(0.0),
             shared: self.trace.bind(self.textures.bind(self.lights.bind(shared))),
         }

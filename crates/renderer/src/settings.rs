@@ -40,13 +40,15 @@ pub struct FrameSettings {
     pub exposure: Option<f32>,
     /// Reads the G-buffer back.
     pub gbuffer: bool,
+    /// Asks the technique of the role direct visibility for pictures of its inner workings.
+    pub debug: bool,
     /// Lights opaque surfaces as they are drawn, without shadows, instead of through the G-buffer: to check one way by the other.
     pub forward: bool,
 }
 
 impl Default for FrameSettings {
     fn default() -> Self {
-        Self { index: 0, jitter: Vec2::ZERO, exposure: None, gbuffer: false, forward: false }
+        Self { index: 0, jitter: Vec2::ZERO, exposure: None, gbuffer: false, debug: false, forward: false }
     }
 }
 

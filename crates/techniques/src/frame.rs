@@ -5,7 +5,7 @@ use crate::{Error, shaders};
 use glam::{UVec2, Vec3};
 use kajo_render_graph::wgpu;
 use kajo_render_graph::{Bindings, Device, Shader};
-use kajo_scene::PlacedLight;
+use kajo_scene::{PlacedLight, Scene, Snapshot};
 
 /// Which hardware traces rays behind the interface `trace`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -131,10 +131,16 @@ pub struct FrameContext<'a> {
     pub draws: &'a [Draw],
     /// Index buffer of all draws.
     pub indices: &'a wgpu::Buffer,
+    /// The scene, for names and materials.
+    pub scene: &'a Scene,
+    /// The scene as it is drawn: `draws` are its instances, in the same order.
+    pub snapshot: &'a Snapshot,
     /// Box around everything, world, m.
     pub bounds: [Vec3; 2],
     /// Exposure in stops: a display shows radiance · 2^exposure.
     pub exposure: f32,
+    /// Pictures of the technique's inner workings are wanted: see [`Effect::debug_views`](crate::Effect::debug_views).
+    pub debug: bool,
     /// What the shared modules declare, by name: frame, scene, lights, trace.
     pub shared: Bindings<'a>,
 }

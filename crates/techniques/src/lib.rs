@@ -5,6 +5,7 @@
 
 mod error;
 mod frame;
+mod insight;
 mod needs;
 mod role;
 pub mod shaders;
@@ -17,6 +18,7 @@ mod view;
 
 pub use error::Error;
 pub use frame::{Coverage, Draw, FrameContext, FrameLight, MakeContext, TraceBackend};
+pub use insight::{DebugPixels, DebugView, Statistic};
 pub use needs::Needs;
 pub use role::Role;
 pub use technique::{Effect, Make, Technique};

@@ -1,8 +1,9 @@
 //! A technique as data, and what it does once it is made.
 
-use crate::{Error, FrameContext, MakeContext, Needs, Role};
+use crate::{DebugView, Error, FrameContext, MakeContext, Needs, Role, Statistic};
 use kajo_params::{ParamSpec, ParamValues};
 use kajo_render_graph::{Device, Graph, Slot};
+use kajo_scene::Ignored;
 
 /// Makes a technique for one scene, with checked parameters.
 pub type Make = fn(&MakeContext, &ParamValues) -> Result<Box<dyn Effect>, Error>;
@@ -73,5 +74,27 @@ pub trait Effect {
     /// When the device is lost.
     fn rays(&self, _device: &Device) -> Result<u64, Error> {
         Ok(0)
+    }
+
+    /// What it counted for the lights of the group, after its passes ran. Waits for the device.
+    ///
+    /// # Errors
+    /// When the device is lost.
+    fn statistics(&self, _frame: &FrameContext) -> Result<Vec<Statistic>, Error> {
+        Ok(Vec::new())
+    }
+
+    /// Pictures of its inner workings for the lights of the group, after its passes ran. Asked for only where [`FrameContext::debug`] was set when
+    /// they were recorded.
+    ///
+    /// # Errors
+    /// When the device is lost.
+    fn debug_views(&self, _frame: &FrameContext) -> Result<Vec<DebugView>, Error> {
+        Ok(Vec::new())
+    }
+
+    /// What of the scene it took otherwise than it is, for the user to know; after [`Self::prepare`].
+    fn notes(&self) -> Vec<Ignored> {
+        Vec::new()
     }
 }

@@ -121,6 +121,9 @@ pub struct Render {
     /// Technique for a role of the real-time renderer, with parameters
     #[arg(long, value_name = "ROLE=ID[:param=value,…]")]
     pub technique: Vec<String>,
+    /// Write pictures of the shadow technique's inner workings (silhouettes, volumes, counts, depth of lights, …) into this folder
+    #[arg(long, value_name = "DIR")]
+    pub debug: Option<PathBuf>,
     /// Frame numbers of a sequence, both inclusive; writes NAME.0001.png and so on
     #[arg(long, value_name = "A..B", allow_hyphen_values = true, conflicts_with_all = ["frame", "checkpoint"])]
     pub frames: Option<FrameRange>,

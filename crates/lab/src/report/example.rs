@@ -55,7 +55,14 @@ fn run(scene: &str, technique: &str, changed: &[(&str, serde_json::Value)], rmse
             }),
         }),
         temporal: Temporal { flicker: Some(rmse * 0.01), lag: None, ghost: None },
-        cost: Some(Cost { gpu_ms: Some(ms), gpu_ms_p95: Some(ms * 1.2), cpu_ms: ms * 1.6, memory_bytes: 16 << 20, rays: 0 }),
+        cost: Some(Cost {
+            gpu_ms: Some(ms),
+            gpu_ms_p95: Some(ms * 1.2),
+            cpu_ms: ms * 1.6,
+            memory_bytes: 16 << 20,
+            rays: 0,
+            statistics: BTreeMap::new(),
+        }),
         failures: BTreeMap::new(),
         images: BTreeMap::new(),
     }

@@ -270,6 +270,9 @@ pub struct Cost {
     pub memory_bytes: u64,
     /// Rays a frame; 0 for techniques that trace none.
     pub rays: u64,
+    /// What the technique counts in a frame, by name: a number for each light, in the order of the lights.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub statistics: BTreeMap<String, Vec<u64>>,
 }
 
 impl Cost {

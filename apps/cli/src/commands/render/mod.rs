@@ -34,6 +34,9 @@ fn check(arguments: &Render) -> Outcome {
     if arguments.renderer == RendererChoice::Reference && !arguments.technique.is_empty() {
         return Err(Failure::usage("--technique chooses for the real-time renderer; add --renderer realtime"));
     }
+    if arguments.renderer == RendererChoice::Reference && arguments.debug.is_some() {
+        return Err(Failure::usage("--debug shows the inner workings of the real-time renderer; add --renderer realtime"));
+    }
     let tracing = &arguments.tracing;
     let reference_only = [
         ("--time", arguments.time.is_some()),

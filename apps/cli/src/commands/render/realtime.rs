@@ -4,11 +4,11 @@ use super::write::{Picture, provenance};
 use crate::arguments::{Common, Render};
 use crate::failure::{Failure, Outcome};
 use crate::{output, view};
-use kajo_image::Layer;
+use kajo_image::{ExrFile, Layer, ToneMap, tone_map, write_png};
 use kajo_render_graph::Device;
 use kajo_renderer::{FrameOutput, FrameSettings, GBufferImages, Renderer, RendererSettings, RoleSelection};
 use kajo_scene::{Scene, Snapshot};
-use kajo_techniques::{Error, Role};
+use kajo_techniques::{DebugPixels, DebugView, Error, Role};
 use kajo_units::Seconds;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -24,19 +24,23 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     let settings = RendererSettings { camera, ..RendererSettings::new(size) };
     let mut renderer = Renderer::new(&device, scene, &snapshot, settings)?;
     renderer.set_snapshot(&snapshot, &previous)?;
-    if !common.quiet {
-        renderer.ignored().iter().for_each(|ignored| eprintln!("note: {ignored}"));
-    }
     let seed = arguments.tracing.seed as u32;
     if arguments.aov.is_empty() {
         renderer.watch(&[]);
     }
     let begin = Instant::now();
-    let settings = FrameSettings { index: seed, gbuffer: !arguments.aov.is_empty(), ..Default::default() };
+    let settings =
+        FrameSettings { index: seed, gbuffer: !arguments.aov.is_empty(), debug: arguments.debug.is_some(), ..Default::default() };
     let frame = match arguments.spp {
         Some(count) if count > 1 => renderer.accumulate(&roles, &settings, count)?,
         _ => renderer.render(&roles, &settings)?,
     };
+    if !common.quiet {
+        frame.ignored.iter().for_each(|ignored| eprintln!("note: {ignored}"));
+    }
+    if let Some(folder) = &arguments.debug {
+        write_debug_views(folder, &frame.debug, renderer.light_names())?;
+    }
     let stats = stats(&device, &renderer, &roles, &frame, begin.elapsed().as_secs_f64());
 
     let mut metadata = provenance();
@@ -53,6 +57,29 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
         return Ok(());
     }
     output::text(&format!("{}: {:.2} ms on {}\n", output.display(), frame.timings.total_ms(), device.info().name))
+}
+
+/// Writes each picture twice: as a display shows it, and with its numbers.
+fn write_debug_views(folder: &Path, views: &[DebugView], lights: &[String]) -> Outcome {
+    std::fs::create_dir_all(folder).map_err(|reason| Failure::run(format!("cannot make the folder {}: {reason}", folder.display())))?;
+    for view in views {
+        let name = format!("{}.{}", view.name, slug(&lights[view.light as usize]));
+        let picture = view.pixels.to_color();
+        write_png(&folder.join(format!("{name}.png")), &tone_map(&picture, 0.0, ToneMap::Linear), &provenance())?;
+        let mut file = ExrFile::new(picture.size());
+        file.layers.push(match &view.pixels {
+            DebugPixels::Scalar(image) => Layer::scalar("", image),
+            DebugPixels::Color(image) => Layer::color("", image),
+        });
+        file.metadata = provenance();
+        file.write(&folder.join(format!("{name}.exr")))?;
+    }
+    Ok(())
+}
+
+/// A light's name as part of a file's.
+fn slug(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect()
 }
 
 /// The techniques of `--technique`, the default of each role elsewhere.
@@ -111,6 +138,7 @@ fn chosen_layers(words: &[String], layers: Vec<Layer>) -> Outcome<Vec<Layer>> {
 }
 
 fn stats(device: &Device, renderer: &Renderer, roles: &RoleSelection, frame: &FrameOutput, seconds: f64) -> Value {
+    let lights = renderer.light_names();
     let techniques: serde_json::Map<String, Value> =
         Role::ALL.iter().filter_map(|role| Some((role.id().to_string(), roles.technique(*role)?.id.into()))).collect();
     json!({
@@ -122,6 +150,7 @@ fn stats(device: &Device, renderer: &Renderer, roles: &RoleSelection, frame: &Fr
         "passes": frame.timings.passes.iter().map(|(name, ms)| json!({ "name": name, "ms": ms })).collect::<Vec<_>>(),
         "timed_on_device": frame.timings.on_device,
         "memory_bytes": frame.memory_bytes,
+        "statistics": frame.statistics.iter().map(|s| json!({ "name": s.name, "light": lights[s.light as usize], "value": s.value })).collect::<Vec<_>>(),
         "adapter": device.info().name,
         "driver": device.info().driver,
         "trace_backend": renderer.backend().id(),

@@ -10,7 +10,7 @@ macro_rules! files {
 
 /// The modules.
 pub const FILES: &[SourceFile<'static>] =
-    files!["frame", "gbuffer", "lights", "material", "raster", "reflect", "scene", "surface", "trace"];
+    files!["depth_map", "frame", "gbuffer", "lights", "material", "raster", "reflect", "scene", "surface", "trace"];
 
 /// What the modules depend on.
 #[derive(Clone, Copy, Debug)]

@@ -128,7 +128,7 @@ fn a_lit_plane_has_no_acne_up_to_85_degrees() {
             }
         }
     }
-    let none = [("automatic_bias", "false"), ("constant_bias", "0"), ("slope_bias", "0"), ("resolution", "1024"), ("kernel", "0")];
+    let none = [("bias", "constant"), ("constant_bias", "0"), ("resolution", "1024"), ("kernel", "0")];
     assert!(acne(sun, 80.0, &none) > 50, "without bias the plane shadows itself, and the test sees it");
 }
 

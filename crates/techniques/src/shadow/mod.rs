@@ -1,5 +1,6 @@
 //! Techniques of the role direct visibility: which share of each light a point sees.
 
+pub mod depth_map;
 pub mod map;
 pub mod none;
 pub mod ray_traced;

@@ -3,6 +3,9 @@
 /// The largest `f32` below one.
 pub(crate) const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
 
+/// The largest `f64` below one.
+pub(crate) const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+
 /// Maps 32 random bits to [0, 1): the upper 24 bits, which an `f32` holds exactly.
 #[inline]
 pub fn unit_f32(bits: u32) -> f32 {

@@ -1,7 +1,7 @@
 //! Discrete choice in constant time.
 
 use super::clean;
-use crate::bits::ONE_MINUS_EPSILON;
+use crate::bits::{BELOW_ONE, ONE_MINUS_EPSILON};
 
 /// Chooses an index with probability proportional to its weight, in constant time.    \[Walker77], built as in \[Vose91]
 #[derive(Clone, Debug)]
@@ -51,12 +51,19 @@ impl AliasTable {
     /// An index, its probability, and a fresh uniform number in [0, 1) made from what is left of `u`.
     #[inline]
     pub fn sample(&self, u: f32) -> (usize, f32, f32) {
-        let x = f64::from(u) * self.bins.len() as f64;
+        let (index, pmf, left) = self.sample_f64(f64::from(u));
+        (index, pmf, (left as f32).min(ONE_MINUS_EPSILON))
+    }
+
+    /// [`AliasTable::sample`] for a number of more digits, of which more are left: each choice takes the logarithm of one over its probability.
+    #[inline]
+    pub fn sample_f64(&self, u: f64) -> (usize, f32, f64) {
+        let x = u * self.bins.len() as f64;
         let i = (x as usize).min(self.bins.len() - 1);
-        let rest = (x - i as f64) as f32;
-        let bin = &self.bins[i];
-        let (index, left) = if rest < bin.keep { (i, rest / bin.keep) } else { (bin.alias as usize, (rest - bin.keep) / (1.0 - bin.keep)) };
-        (index, self.bins[index].pmf, left.clamp(0.0, ONE_MINUS_EPSILON))
+        let (rest, bin) = (x - i as f64, &self.bins[i]);
+        let keep = f64::from(bin.keep);
+        let (index, left) = if rest < keep { (i, rest / keep) } else { (bin.alias as usize, (rest - keep) / (1.0 - keep)) };
+        (index, self.bins[index].pmf, left.clamp(0.0, BELOW_ONE))
     }
 
     /// Probability of `index`.
@@ -125,6 +132,23 @@ mod tests {
         let mut counts = vec![0.0; 10];
         (0..50_000).for_each(|_| counts[(table.sample(rng.next_1d()).2 * 10.0) as usize] += 1.0);
         assert!(chi_square_p_value(&counts, &[5000.0; 10], 0) > 1e-3);
+    }
+
+    /// After a choice of probability 2⁻²⁰ a number of 24 digits has 4 left, of which all are multiples of 1/16.
+    #[test]
+    fn double_precision_leaves_digits_after_rare_choices() {
+        let table = AliasTable::new(&[1.0, (1u32 << 20) as f32 - 1.0]).unwrap();
+        let rare = 0.5f64.powi(20);
+        let mut counts = vec![0.0; 64];
+        let mut rng = Rng::new(33);
+        for _ in 0..20_000 {
+            let (index, pmf, left) = table.sample_f64(rng.next_f64() * rare);
+            assert_eq!((index, pmf), (0, rare as f32));
+            counts[(left * 64.0) as usize] += 1.0;
+        }
+        assert!(chi_square_p_value(&counts, &[20_000.0 / 64.0; 64], 0) > 1e-3);
+        assert!((0..1000).all(|_| (table.sample((rng.next_1d() * 16.0).floor() * 0.5f32.powi(24)).2 * 16.0).fract() == 0.0));
+        assert!(table.sample_f64(BELOW_ONE).2 < 1.0 && table.sample(ONE_MINUS_EPSILON).2 < 1.0);
     }
 
     #[test]

@@ -43,7 +43,7 @@ impl LightTree {
     /// Adds the node of `pair` and all below it: pairs are opened, the worst first, until there are eight children.
     fn gather(&mut self, pairs: &[Pair], pair: u32, parent: u32) -> u32 {
         let index = self.nodes.len();
-        self.nodes.push(Node { lanes: Lanes::EMPTY, children: [NONE; WIDTH], parent });
+        self.nodes.push(Node { lanes: Lanes::default(), children: [NONE; WIDTH], parent });
         self.clusters.push(Cluster { bounds: EmitterBounds::NONE, count: 0, squares: 0.0 });
         let mut children = vec![pair];
         while children.len() < WIDTH {

@@ -42,8 +42,8 @@ const QUAD: usize = 4;
 /// One number for each child.
 type Row = [Vec4; WIDTH / QUAD];
 
-/// Bounds of up to eight children, coordinate by coordinate.
-#[derive(Clone, Debug)]
+/// Bounds of up to eight children, coordinate by coordinate. Places without a child have no intensity.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Lanes {
     center: [Row; 3],
     half: [Row; 3],
@@ -57,20 +57,6 @@ pub(super) struct Lanes {
 }
 
 impl Lanes {
-    pub(super) const EMPTY: Self = {
-        let (zero, one) = ([Vec4::ZERO; 2], [Vec4::ONE; 2]);
-        Self {
-            center: [zero; 3],
-            half: [zero; 3],
-            axis: [zero; 3],
-            cos_normals: one,
-            sin_normals: zero,
-            cos_emission: one,
-            two_sided: zero,
-            intensity: zero,
-        }
-    };
-
     pub(super) fn set(&mut self, lane: usize, bounds: &EmitterBounds) {
         let put = |row: &mut Row, value: f32| row[lane / QUAD][lane % QUAD] = value;
         let center = bounds.center();

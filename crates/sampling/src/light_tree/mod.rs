@@ -21,6 +21,7 @@ pub use importance::Receiver;
 pub use split::SplitThreshold;
 pub use two_level::{Entry, TwoLevelChoice, TwoLevelTree};
 
+use crate::bits::BELOW_ONE;
 use importance::Lanes;
 
 /// Children of a node.
@@ -167,7 +168,6 @@ impl Node {
 /// An index by weight, and what is left of `u`.
 #[inline]
 fn choose(weights: &[f32; WIDTH], total: f32, u: f64) -> (usize, f64) {
-    const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
     let mut left = u * f64::from(total);
     let mut last = 0;
     for (lane, &weight) in weights.iter().enumerate().filter(|&(_, &weight)| weight > 0.0) {

@@ -93,6 +93,10 @@ impl LightTree {
         for (depth, &slot) in path.iter().rev().enumerate() {
             let (node, lane) = (slot / super::WIDTH, slot % super::WIDTH);
             let starts = !together && !threshold.splits(&self.clusters[node], receiver, estimate);
+            // The only emitter is chosen wherever the receiver is, as in `descend`.
+            if starts && self.emitters.len() == 1 {
+                return 1.0;
+            }
             together |= starts;
             let weights = self.nodes[node].lanes.importance(receiver);
             if !together {

@@ -195,11 +195,12 @@ fn splitting_always_visits_all_points() {
 
 #[test]
 fn the_probability_of_a_visit_is_its_frequency() {
-    let tree = LightTree::new(emitters(200, 21));
     let mut rng = Rng::new(22);
-    for threshold in [0.0, 0.6, 0.85].map(SplitThreshold::new) {
-        for receiver in receivers(3, 23) {
-            let mut counts = vec![0.0; 200];
+    // A single emitter, too, which turns its back on some of the receivers.
+    for (count, threshold) in [1, 200].into_iter().flat_map(|count| [0.0, 0.6, 0.85, 1.0].map(|t| (count, SplitThreshold::new(t)))) {
+        let tree = LightTree::new(emitters(count, 21));
+        for receiver in receivers(if count == 1 { 20 } else { 3 }, 23) {
+            let mut counts = vec![0.0; count];
             let n = 4000;
             for _ in 0..n {
                 tree.sample_split(

@@ -209,6 +209,11 @@ impl LightSampler {
     /// Every sampler with its name.
     pub const ALL: [(&'static str, Self); 4] =
         [("bvh", Self::Bvh), ("power", Self::Power), ("uniform", Self::Uniform), ("ris", Self::Ris { candidates: 4 })];
+
+    /// True where lights are chosen by the tree.
+    pub(crate) fn uses_tree(self) -> bool {
+        matches!(self, Self::Bvh | Self::Ris { .. })
+    }
 }
 
 /// Ending of paths by chance: a path goes on with probability q, and what it finds is divided by q.    \[Arvo90]

@@ -18,17 +18,10 @@ impl Context<'_> {
         let mut channel = None;
         let mut absorption = LinearRgb::BLACK;
         for bounces in 0..=self.max_depth {
-            self.lights.along(None, ray.origin, ray.direction, hit.map_or(f32::INFINITY, |hit| hit.t), |t, seen| {
-                if t > ray.t_min {
-                    sink.light(bounces, seen.light, throughput.scaled(seen.radiance * transmittance(absorption, t)));
-                }
+            self.pass(&TracedRay { ray, hit }, None, |t, seen| {
+                sink.light(bounces, seen.light, throughput.scaled(seen.radiance * transmittance(absorption, t)));
             });
-            let Some(found) = hit else {
-                self.lights.beyond(self.world, None, ray.direction, |seen| {
-                    sink.light(bounces, seen.light, throughput.scaled(seen.radiance));
-                });
-                return;
-            };
+            let Some(found) = hit else { return };
             let passed = transmittance(absorption, found.t);
             let (wo, mut room) = (-ray.direction, None);
             let Some(surface) = Surface::new(self.world, &found, wo, self.settings.smooth_terminator, &mut room) else { return };

@@ -7,11 +7,12 @@ pub(crate) mod first_hit;
 pub(crate) mod path;
 
 use crate::Settings;
-use crate::lights::Lights;
+use crate::lights::{Lights, SeenLight};
 use crate::world::World;
 use glam::Vec3;
 use kajo_bvh::{Hit, Ray};
 use kajo_sampling::hash_u64;
+use kajo_sampling::light_tree::Receiver;
 use kajo_units::LinearRgb;
 
 /// What every estimator reads.
@@ -22,6 +23,22 @@ pub(crate) struct Context<'a> {
     pub settings: &'a Settings,
     /// Surface bounces a path may have.
     pub max_depth: u32,
+}
+
+impl Context<'_> {
+    /// Calls `see` with each lamp that a ray passes, and with what is behind everything where it leaves the scene: the distance and the light.
+    #[inline(always)]
+    fn pass(&self, traced: &TracedRay, receiver: Option<&Receiver>, mut see: impl FnMut(f32, SeenLight)) {
+        let (ray, t_max) = (&traced.ray, traced.hit.map_or(f32::INFINITY, |hit| hit.t));
+        self.lights.along(receiver, ray.origin, ray.direction, t_max, |t, seen| {
+            if t > ray.t_min {
+                see(t, seen);
+            }
+        });
+        if traced.hit.is_none() {
+            self.lights.beyond(self.world, receiver, ray.direction, |seen| see(f32::INFINITY, seen));
+        }
+    }
 }
 
 /// A ray with the nearest surface on it.
@@ -80,10 +97,13 @@ pub(crate) trait Sink {
     fn light(&mut self, bounces: u32, light: u32, share: Split);
 }
 
-/// exp(−σ t): what a volume lets through.    Beer-Lambert law
+/// exp(−σ t): what a volume lets through; towards infinity everything, for no volume reaches there.    Beer-Lambert law
 #[inline]
 pub(crate) fn transmittance(absorption: LinearRgb, distance: f32) -> LinearRgb {
-    if absorption.is_black() { LinearRgb::WHITE } else { LinearRgb((-absorption.0 * distance).map(f32::exp)) }
+    if absorption.is_black() || distance == f32::INFINITY {
+        return LinearRgb::WHITE;
+    }
+    LinearRgb((-absorption.0 * distance).map(f32::exp))
 }
 
 /// A ray of unit direction without end.

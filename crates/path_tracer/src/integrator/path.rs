@@ -10,7 +10,7 @@
 
 use super::dispersion::disperse;
 use super::{Chance, Context, Sink, Split, TracedRay, open_ray, transmittance};
-use crate::lights::ChosenLight;
+use crate::lights::{ChosenLight, rng_of};
 use crate::settings::Strategy;
 use crate::surface::Surface;
 use glam::Vec2;
@@ -18,7 +18,7 @@ use kajo_bsdf::{AnyBsdfView, Lobe};
 use kajo_bvh::Ray;
 use kajo_sampling::light_tree::Receiver;
 use kajo_sampling::resampling::Reservoir;
-use kajo_sampling::{Rng, Sampler, power_heuristic};
+use kajo_sampling::{Sampler, power_heuristic};
 use kajo_units::LinearRgb;
 
 /// Shadow rays end this share of their length before the light: the light must not shadow itself.
@@ -27,22 +27,12 @@ pub(super) const BEFORE_LIGHT: f32 = 1.0 - 2e-5;
 impl Context<'_> {
     /// What a camera ray meets of lamps and sky.
     pub(crate) fn emission(&self, TracedRay { ray, hit }: TracedRay, sink: &mut impl Sink) {
-        let t_max = hit.map_or(f32::INFINITY, |hit| hit.t);
-        self.lights.along(None, ray.origin, ray.direction, t_max, |t, seen| {
-            if t > ray.t_min {
-                sink.light(0, seen.light, Split::CAMERA.scaled(seen.radiance));
-            }
-        });
-        let Some(found) = hit else {
-            self.lights.beyond(self.world, None, ray.direction, |seen| sink.light(0, seen.light, Split::CAMERA.scaled(seen.radiance)));
-            return;
-        };
-        if self.lights.of_instance(found.instance).is_some() {
-            let mut room = None;
-            let surface = Surface::new(self.world, &found, -ray.direction, false, &mut room);
-            if let Some((light, radiance)) = surface.and_then(|surface| surface.emission(self.world, self.lights)) {
-                sink.light(0, light, Split::CAMERA.scaled(radiance));
-            }
+        self.pass(&TracedRay { ray, hit }, None, |_, seen| sink.light(0, seen.light, Split::CAMERA.scaled(seen.radiance)));
+        let Some(found) = hit.filter(|found| self.lights.of_instance(found.instance).is_some()) else { return };
+        let mut room = None;
+        let surface = Surface::new(self.world, &found, -ray.direction, false, &mut room);
+        if let Some((light, radiance)) = surface.and_then(|surface| surface.emission(self.world, self.lights)) {
+            sink.light(0, light, Split::CAMERA.scaled(radiance));
         }
     }
 
@@ -61,20 +51,11 @@ impl Context<'_> {
         // Where the ray comes from, if light sampling looked for light there, too.
         let mut receiver: Option<Receiver> = None;
         loop {
-            let t_max = hit.map_or(f32::INFINITY, |hit| hit.t);
-            self.lights.along(receiver.as_ref(), ray.origin, ray.direction, t_max, |t, seen| {
-                if t > ray.t_min {
-                    let value = seen.radiance * transmittance(absorption, t) * self.weight_of_ray(ray_pdf, seen.pdf);
-                    sink.light(bounces, seen.light, throughput.scaled(value));
-                }
+            self.pass(&TracedRay { ray, hit }, receiver.as_ref(), |t, seen| {
+                let value = seen.radiance * transmittance(absorption, t) * self.weight_of_ray(ray_pdf, seen.pdf);
+                sink.light(bounces, seen.light, throughput.scaled(value));
             });
-            let Some(found) = hit else {
-                self.lights.beyond(self.world, receiver.as_ref(), ray.direction, |seen| {
-                    let value = seen.radiance * self.weight_of_ray(ray_pdf, seen.pdf);
-                    sink.light(bounces, seen.light, throughput.scaled(value));
-                });
-                return;
-            };
+            let Some(found) = hit else { return };
             throughput = throughput.scaled(transmittance(absorption, found.t));
             let (wo, mut room) = (-ray.direction, None);
             let Some(surface) = Surface::new(self.world, &found, wo, self.settings.smooth_terminator, &mut room) else { return };
@@ -111,7 +92,7 @@ impl Context<'_> {
             receiver = (!is_delta).then(|| surface.receiver());
             compression *= sample.eta2;
             let brightness = compression * throughput.total().max_component();
-            let survival = self.settings.russian_roulette.survival(bounces, sample.lobe.is_delta(), brightness);
+            let survival = self.settings.russian_roulette.survival(bounces, is_delta, brightness);
             if survival < 1.0 {
                 if sampler.next_1d() >= survival {
                     return;
@@ -147,7 +128,7 @@ impl Context<'_> {
         let candidate = |choice, u| {
             let chosen = self.lights.sample(self.world, &receiver, choice, u)?;
             let (f_cos, bsdf_pdf) = surface.eval(bsdf, chosen.sample.wi);
-            let value = chosen.value * transmittance(absorption, chosen.sample.distance.min(f32::MAX));
+            let value = chosen.value * transmittance(absorption, chosen.sample.distance);
             let share = if bounces == 0 {
                 let all = throughput.total() * value;
                 Split { diffuse: f_cos.diffuse * all, specular: f_cos.specular * all }
@@ -201,8 +182,7 @@ fn resampled(
     candidate: impl Fn(f32, Vec2) -> Option<(ChosenLight, Split)>,
 ) -> Option<(ChosenLight, Split)> {
     const R2: Vec2 = Vec2::new(0.754_877_7, 0.569_840_3);
-    let mut random = Rng::new(u64::from(choice.to_bits()) << 32 ^ u64::from(u.x.to_bits()) ^ u64::from(u.y.to_bits()) << 16);
-    let mut reservoir = Reservoir::new();
+    let (mut random, mut reservoir) = (rng_of(choice, u), Reservoir::new());
     for i in 0..many {
         let shifted = (choice + i as f32 / many as f32).fract();
         let found = candidate(shifted, (u + i as f32 * R2).fract());

@@ -1,12 +1,12 @@
 //! Emissive meshes: a point on a chosen triangle, by solid angle.
 
-use super::LightSample;
 use super::area::towards_area;
+use super::{LightSample, rng_of};
 use crate::world::World;
 use glam::{Vec2, Vec3};
 use kajo_bvh::PrimitiveRef;
+use kajo_sampling::AliasTable;
 use kajo_sampling::warp::{SphericalTriangle, triangle_barycentrics};
-use kajo_sampling::{AliasTable, Rng};
 use kajo_scene::EmissiveMesh;
 use kajo_units::LinearRgb;
 
@@ -99,8 +99,7 @@ impl MeshLight {
     /// A point of the part that faces `from`, chosen by emission: the measure of `visibility.<light>`. `None` where nothing was found to
     /// face it. `choice` and `u` decide the first try; what they leave is seed of the others.
     pub(crate) fn point_of_visibility(&self, world: &World, from: Vec3, choice: f32, u: Vec2) -> Option<(Vec3, PrimitiveRef)> {
-        let mut random = Rng::new(u64::from(choice.to_bits()) << 32 ^ u64::from(u.x.to_bits()) ^ u64::from(u.y.to_bits()) << 16);
-        let (mut choice, mut u) = (choice, u);
+        let (mut random, mut choice, mut u) = (rng_of(choice, u), choice, u);
         for _ in 0..TRIES {
             let (triangle, _, rest) = self.triangles.sample(choice);
             let corners = world.instances[self.instance as usize].world_triangle(triangle as u32);

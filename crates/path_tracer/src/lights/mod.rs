@@ -16,6 +16,7 @@ use area::AreaLight;
 use environment::EnvironmentLight;
 use glam::{Vec2, Vec3};
 use kajo_bvh::PrimitiveRef;
+use kajo_sampling::Rng;
 use kajo_sampling::light_tree::Receiver;
 use kajo_scene::{EmissiveMesh, LightShape, PlacedLight};
 use kajo_units::LinearRgb;
@@ -69,6 +70,11 @@ pub(crate) struct Target {
     pub distance: f32,
     /// The emissive triangle, which must not shadow itself.
     pub primitive: Option<PrimitiveRef>,
+}
+
+/// Random numbers that follow from those of a choice.
+pub(crate) fn rng_of(choice: f32, u: Vec2) -> Rng {
+    Rng::new(u64::from(choice.to_bits()) << 32 ^ u64::from(u.x.to_bits()) ^ u64::from(u.y.to_bits()) << 16)
 }
 
 #[derive(Clone, Debug)]
@@ -150,7 +156,9 @@ impl Lights {
 
     /// Chooses lights in another way from now on.
     pub(crate) fn select_by(&mut self, world: &World, by: LightSampler) {
-        self.select(world, by, &world.snapshot.emissive_meshes(&world.scene));
+        if !self.selection.change(by) {
+            self.select(world, by, &world.snapshot.emissive_meshes(&world.scene));
+        }
     }
 
     fn select(&mut self, world: &World, by: LightSampler, emissive: &[EmissiveMesh]) {

@@ -63,14 +63,13 @@ pub(super) struct Chosen {
 impl Selection {
     /// `meshes` are those of the emissive instances, in the order of their lights.
     pub(super) fn new(by: LightSampler, emitters: &[Emitter], world: &World, meshes: &[EmissiveMesh]) -> Self {
-        let by_tree = matches!(by, LightSampler::Bvh | LightSampler::Ris { .. });
         let mut selection = Self { by, places: vec![Place::Never; emitters.len()], ..Self::default() };
         // Powers, or numbers of emitters, of the groups.
         let mut weights = Vec::new();
         let (mut entries, mut tree_power) = (Vec::new(), 0.0);
         let mut objects = Objects { world, meshes: meshes.iter(), trees: HashMap::new() };
         for (index, emitter) in emitters.iter().enumerate() {
-            let entry = if by_tree { objects.entry(emitter) } else { None };
+            let entry = if by.uses_tree() { objects.entry(emitter) } else { None };
             let Some(power) = emitter.power(world) else { continue };
             if let Some(entry) = entry {
                 selection.places[index] = Place::Entry(entries.len() as u32);
@@ -104,6 +103,13 @@ impl Selection {
         selection
     }
 
+    /// True where the choice can go by `by` from now on and the tree stays what it is.
+    pub(super) fn change(&mut self, by: LightSampler) -> bool {
+        let shared = self.by.uses_tree() && by.uses_tree();
+        self.by = if shared { by } else { self.by };
+        shared
+    }
+
     pub(super) fn candidates(&self) -> u32 {
         match self.by {
             LightSampler::Ris { candidates } => candidates.max(1),
@@ -117,27 +123,29 @@ impl Selection {
         if let Some(light) = self.only {
             return Some(Chosen { light, triangle: 0, pmf: 1.0, rest: choice });
         }
-        let (group, pmf, rest) = self.table.as_ref()?.sample(choice);
+        let (group, pmf, rest) = self.table.as_ref()?.sample_f64(with_more_digits(choice, u));
         let light = self.groups[group];
         if light == TREE {
-            let found = self.tree.as_ref()?.sample(receiver, with_more_digits(rest, u))?;
+            let found = self.tree.as_ref()?.sample(receiver, rest)?;
             return Some(Chosen {
                 light: self.lights[found.entry],
                 triangle: found.emitter as u32,
                 pmf: pmf * found.pmf,
-                rest: found.rest as f32,
+                rest: below_one(found.rest),
             });
         }
-        let Emitter::Mesh(mesh) = &emitters[light as usize] else { return Some(Chosen { light, triangle: 0, pmf, rest }) };
+        let Emitter::Mesh(mesh) = &emitters[light as usize] else {
+            return Some(Chosen { light, triangle: 0, pmf, rest: below_one(rest) });
+        };
         let table = mesh.triangles();
         let (triangle, share, rest) = if self.by == LightSampler::Uniform {
             let n = table.len();
-            let place = with_more_digits(rest, u) * n as f64;
-            (place as usize, 1.0 / n as f32, place.fract() as f32)
+            let place = rest * n as f64;
+            (place as usize, 1.0 / n as f32, place.fract())
         } else {
-            table.sample(rest)
+            table.sample_f64(rest)
         };
-        Some(Chosen { light, triangle: triangle as u32, pmf: pmf * share, rest })
+        Some(Chosen { light, triangle: triangle as u32, pmf: pmf * share, rest: below_one(rest) })
     }
 
     /// Probability with which [`Selection::choose`] chooses a light, of a mesh a triangle.
@@ -167,17 +175,22 @@ impl Selection {
 /// Powers become 0.9 · (share of the sum) + 0.1 / count.
 fn mix_with_uniform(weights: &mut [f32]) {
     let (total, count): (f32, _) = (weights.iter().sum(), weights.len() as f32);
+    let known = total > 0.0 && total.is_finite();
     for weight in weights {
-        let known = total > 0.0 && total.is_finite();
         *weight = if known { (1.0 - UNIFORM_CHOICE) * *weight / total + UNIFORM_CHOICE / count } else { 1.0 };
     }
 }
 
-/// The 24 digits of a uniform number and as many more: probabilities in large trees are finer than the former.
+/// The 24 digits of a uniform number and as many more: probabilities in large trees and tables are finer than the former.
 #[inline]
 fn with_more_digits(x: f32, u: Vec2) -> f64 {
     let fine = hash_u64(u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits())) >> 40;
     (f64::from(x) + fine as f64 * (1.0 / (1u64 << 48) as f64)).min(1.0 - f64::EPSILON)
+}
+
+#[inline]
+fn below_one(x: f64) -> f32 {
+    (x as f32).min(1.0 - f32::EPSILON / 2.0)
 }
 
 /// Makes entries of the tree; instances of a mesh share its tree.

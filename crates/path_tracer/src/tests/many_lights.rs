@@ -242,6 +242,23 @@ fn a_single_light_is_the_same_picture_for_every_choice() {
     assert_ne!(tree, picture(LightSampler::Ris { candidates: 4 }));
 }
 
+/// Samplers with the tree share it when one takes the place of the other.
+#[test]
+fn a_sampler_leaves_nothing_to_the_next() {
+    let scene = everything().0;
+    let ris = LightSampler::Ris { candidates: 4 };
+    let picture = |by: &[LightSampler]| {
+        let tracer = by.iter().fold(tracer(&scene), |tracer, &by| tracer.with_light_sampler(by));
+        let film = render(&tracer, &direct(1), Stop::at_spp(1), None, &uncontrolled).expect("a rendering");
+        film.develop().beauty().pixels().to_vec()
+    };
+    let (bvh, resampled) = (picture(&[]), picture(&[ris]));
+    assert_ne!(bvh, resampled);
+    assert_eq!(picture(&[LightSampler::Uniform, ris]), resampled);
+    assert_eq!(picture(&[ris, LightSampler::Bvh]), bvh);
+    assert_eq!(picture(&[ris, LightSampler::Power, LightSampler::Bvh]), bvh);
+}
+
 #[test]
 fn every_light_of_a_scene_can_be_chosen() {
     let scene = builtin("embers:300");

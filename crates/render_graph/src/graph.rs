@@ -5,13 +5,14 @@ use crate::timer::{Timer, Timings};
 use crate::{Device, Error, Layers, Slot, Texture};
 use glam::UVec2;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// The images behind slots, kept from frame to frame. All have the size of the frame.
 #[derive(Debug, Default)]
 pub struct Pool {
     size: UVec2,
     lights: u32,
-    textures: HashMap<&'static str, Texture>,
+    textures: HashMap<&'static str, Arc<Texture>>,
 }
 
 impl Pool {
@@ -32,7 +33,17 @@ impl Pool {
 
     /// The image of a slot, if a pass has made it.
     pub fn get(&self, slot: Slot) -> Option<&Texture> {
-        self.textures.get(slot.name)
+        self.textures.get(slot.name).map(Arc::as_ref)
+    }
+
+    /// Takes over the images that `other`, a pool for frames of the same size, has for these slots: both hold the same ones.
+    pub fn share(&mut self, other: &Self, slots: &[Slot]) {
+        debug_assert_eq!(self.size, other.size);
+        for slot in slots {
+            if let Some(texture) = other.textures.get(slot.name) {
+                self.textures.insert(slot.name, texture.clone());
+            }
+        }
     }
 
     /// Makes the image of a slot, if it is not there.
@@ -58,7 +69,7 @@ impl Pool {
             if storage && !depth {
                 usage |= wgpu::TextureUsages::STORAGE_BINDING;
             }
-            device.texture(&wgpu::TextureDescriptor {
+            Arc::new(device.texture(&wgpu::TextureDescriptor {
                 label: Some(slot.name),
                 size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: layers },
                 mip_level_count: 1,
@@ -67,7 +78,7 @@ impl Pool {
                 format: slot.format,
                 usage,
                 view_formats: &[],
-            })
+            }))
         });
     }
 }

@@ -255,6 +255,7 @@ impl Renderer {
             let count = group.min(self.lights.list.len() - start);
             let frame = FrameContext { device: &shadow.device, ..self.context(view, settings, start, count) };
             shadow.effect.prepare(&frame)?;
+            timings.merge(&shadow.effect.run(&frame, &pool)?);
             self.direct.prepare(&frame);
             let mut graph = Graph::new();
             graph.import(&made_first());

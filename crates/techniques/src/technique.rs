@@ -2,7 +2,7 @@
 
 use crate::{DebugView, Error, FrameContext, MakeContext, Needs, Role, Statistic};
 use kajo_params::{ParamSpec, ParamValues};
-use kajo_render_graph::{Device, Graph, Slot};
+use kajo_render_graph::{Device, Graph, Pool, Slot, Timings};
 use kajo_scene::Ignored;
 
 /// Makes a technique for one scene, with checked parameters.
@@ -64,6 +64,14 @@ pub trait Effect {
     /// # Errors
     /// When the device refuses.
     fn prepare(&mut self, frame: &FrameContext) -> Result<(), Error>;
+
+    /// Does what takes executions of its own before the passes of [`Self::record`]: for techniques that run others. `pool` holds the G-buffer.
+    ///
+    /// # Errors
+    /// When the device refuses or is lost.
+    fn run(&mut self, _frame: &FrameContext, _pool: &Pool) -> Result<Timings, Error> {
+        Ok(Timings::default())
+    }
 
     /// Adds its passes to the graph.
     fn record<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>);

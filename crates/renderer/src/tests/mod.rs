@@ -9,5 +9,6 @@ mod model_twins;
 mod models;
 mod scenes;
 mod shadows;
+mod soft_shadows;
 mod textures;
 mod tracing;

@@ -1,11 +1,13 @@
 //! Techniques of the role direct visibility: which share of each light a point sees.
 
 pub mod depth_map;
+pub mod hard;
 pub mod map;
+pub mod multi_sample;
 pub mod none;
 pub mod ray_traced;
 
 use crate::Technique;
 
 /// In the order of every list.
-pub const ALL: &[&Technique] = &[&none::TECHNIQUE, &map::TECHNIQUE, &ray_traced::TECHNIQUE];
+pub const ALL: &[&Technique] = &[&none::TECHNIQUE, &map::TECHNIQUE, &multi_sample::TECHNIQUE, &ray_traced::TECHNIQUE];

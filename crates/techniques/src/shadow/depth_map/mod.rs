@@ -131,7 +131,7 @@ impl DepthMaps {
     pub fn prepare(&mut self, frame: &FrameContext, fit: impl Fn(&Fit) -> Projection) -> Result<(), Error> {
         let resolution = self.settings.resolution.min(frame.device.info().max_image_side);
         let fit_of = |light| fit(&Fit { light, frame, resolution, reach: self.settings.reach });
-        self.projections = frame.lights.iter().map(fit_of).collect();
+        self.projections = frame.lights.iter().map(fit_of).map(|projection| projection.used_by(frame)).collect();
         let layers = self.projections.iter().map(|projection| projection.faces.len() as u32).max().unwrap_or(1);
         self.caster.prepare(frame.device, resolution, layers);
 
@@ -205,16 +205,6 @@ impl DepthMaps {
             .with("light_depth", self.caster.depth().array())
     }
 
-    /// Maps of a light of the frame.
-    pub fn projection(&self, layer: usize) -> &Projection {
-        &self.projections[layer]
-    }
-
-    /// Side of a map, px, and layers of the texture.
-    pub fn extent(&self) -> wgpu::Extent3d {
-        self.caster.depth().wgpu.size()
-    }
-
     /// Adds for each light the pass that draws its casters and then `steps` by name, which `run` carries out for the light's layer. The maps
     /// are made anew for each light, so the passes of the lights take turns: each updates what the one before left.
     pub fn record<'a>(
@@ -238,6 +228,9 @@ impl DepthMaps {
     fn cast(&self, frame: &FrameContext, layer: usize, pass: &mut PassContext) -> Result<(), kajo_render_graph::Error> {
         let faces = &self.faces.as_ref().expect("prepared").wgpu;
         for face in 0..self.projections[layer].faces.len() {
+            if !self.projections[layer].is_used[face] {
+                continue;
+            }
             let own = Bindings::new().with("face", Resource::Range(faces, face_offset(layer, face), caster::FACE_BYTES));
             self.caster.draw(frame, &frame.lights[layer], (face as u32, self.projections[layer].parallel), &own, pass)?;
         }

@@ -1,5 +1,6 @@
 //! The projections of a light's maps.
 
+use super::MAX_FACES;
 use crate::{FrameContext, FrameLight};
 use glam::{Mat4, Vec3, Vec4};
 use kajo_scene::LightShape;
@@ -9,6 +10,8 @@ use kajo_scene::LightShape;
 pub(in crate::shadow) struct Projection {
     /// One matrix for each map; camera-relative to clip space with reversed depth.
     pub faces: Vec<Mat4>,
+    /// Whether a point that the camera sees may be looked up in the map; others are not drawn.
+    pub is_used: [bool; MAX_FACES],
     /// The maps are the faces +x, −x, +y, −y, +z, −z of a cube.
     pub cube: bool,
     /// Parallel rays.
@@ -19,6 +22,25 @@ pub(in crate::shadow) struct Projection {
     pub far: f32,
     /// Texels at the border of a map in which no point is looked up.
     pub margin: f32,
+}
+
+impl Projection {
+    /// The same, with the maps found that nothing visible can lie in: those that neither the scene's box nor the camera's frustum reaches into.
+    pub fn used_by(mut self, frame: &FrameContext) -> Self {
+        let scene = corners(relative_bounds(frame));
+        let seen = Frustum::of(frame).corners();
+        for (is_used, clip_from_relative) in self.is_used.iter_mut().zip(&self.faces) {
+            *is_used = reaches_into(&scene, clip_from_relative) && reaches_into(&seen, clip_from_relative);
+        }
+        self
+    }
+}
+
+/// False where all points lie beyond one of the four sides of a map.
+fn reaches_into(points: &[Vec3], clip_from_relative: &Mat4) -> bool {
+    let clip: Vec<Vec4> = points.iter().map(|p| *clip_from_relative * p.extend(1.0)).collect();
+    let beyond = |off: fn(&Vec4) -> f32| clip.iter().all(|c| off(c) > 0.0);
+    !(beyond(|c| c.x - c.w) || beyond(|c| -c.x - c.w) || beyond(|c| c.y - c.w) || beyond(|c| -c.y - c.w))
 }
 
 /// What a projection is fitted to.
@@ -69,7 +91,15 @@ fn towards(of: &Fit, directions: &[Vec3], half: f32) -> Projection {
     let half = half * (1.0 + 2.0 * margin / of.resolution as f32);
     let furthest = corners(relative_bounds(of.frame)).iter().map(|corner| corner.distance(position)).fold(0.0, f32::max);
     let faces = directions.iter().map(|&direction| perspective(position, direction, half, near)).collect();
-    Projection { faces, cube: false, parallel: false, near, far: (furthest * 1.001).max(2.0 * near), margin: 0.0 }
+    Projection {
+        faces,
+        is_used: [true; MAX_FACES],
+        cube: false,
+        parallel: false,
+        near,
+        far: (furthest * 1.001).max(2.0 * near),
+        margin: 0.0,
+    }
 }
 
 /// Axes of an image whose viewer looks along `forward`: x, y and −forward.
@@ -114,6 +144,7 @@ fn directional(of: &Fit) -> Projection {
     let depth = depth_of(range(&scene, back), half);
     Projection {
         faces: vec![parallel([x, y, back], [0.5 * (x0 + x1), 0.5 * (y0 + y1)], half, depth)],
+        is_used: [true; MAX_FACES],
         cube: false,
         parallel: true,
         near: 0.0,

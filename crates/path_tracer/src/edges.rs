@@ -13,6 +13,7 @@ use crate::world::Rays;
 use glam::{UVec2, Vec2};
 use kajo_sampling::hash_u64;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
 /// Camera rays that look for lamps, a sample.
 pub(crate) const EDGE_RAYS: u32 = 8;
@@ -30,16 +31,24 @@ pub(crate) struct Edges {
 }
 
 impl Edges {
-    /// `None` where there are none, or where the integrator sees no light.
-    pub(crate) fn find(cx: &Context, view: &CameraView) -> Option<Self> {
-        let (size, integrator) = (cx.settings.size, cx.settings.integrator);
-        if !(cx.lights.can_be_met && matches!(integrator, Integrator::Path | Integrator::Direct)) {
-            return None;
+    /// Number of rays that [`Edges::find`] traces: none where the integrator sees no light.
+    pub(crate) fn rays(cx: &Context) -> u64 {
+        let looks = cx.lights.can_be_met && matches!(cx.settings.integrator, Integrator::Path | Integrator::Direct);
+        if looks { u64::from(cx.settings.size.x) * u64::from(cx.settings.size.y) } else { 0 }
+    }
+
+    /// `None` where there are none. `row` is called after every row of pixels, from any thread, and may end the search.
+    pub(crate) fn find(cx: &Context, view: &CameraView, row: impl Fn() -> ControlFlow<()> + Sync) -> ControlFlow<(), Option<Self>> {
+        if Self::rays(cx) == 0 {
+            return ControlFlow::Continue(None);
         }
-        let width = size.x as usize;
-        let mut seen = vec![0.0; width * size.y as usize];
-        seen.par_chunks_exact_mut(width).enumerate().for_each(|(y, row)| see(cx, view, y as u32, row));
-        Self::between(width, &seen)
+        let width = cx.settings.size.x as usize;
+        let mut seen = vec![0.0; width * cx.settings.size.y as usize];
+        seen.par_chunks_exact_mut(width).enumerate().try_for_each(|(y, pixels)| {
+            see(cx, view, y as u32, pixels);
+            row()
+        })?;
+        ControlFlow::Continue(Self::between(width, &seen))
     }
 
     /// The pixels of an image with edges around them.

@@ -113,9 +113,7 @@ pub enum PathTracerError {
         problem: String,
     },
     /// Samples of another picture.
-    #[error(
-        "the checkpoint holds samples of another picture ({what} differs); render with the scene and settings it was made with, or delete it"
-    )]
+    #[error("the checkpoint holds samples of another picture: {what}; render as it was made, or delete it")]
     CheckpointMismatch {
         /// What differs.
         what: &'static str,

@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 /// How far a rendering is.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
-    /// Samples that every pixel has at least.
+    /// Samples that every pixel has at least; with adaptive sampling their mean.
     pub spp: u32,
     /// Samples of all pixels together, those of a resumed film included.
     pub samples: u64,
@@ -32,7 +32,7 @@ pub struct Progress {
 
 /// Watches a rendering and may end it. Closures that take a [`Progress`] are controls.
 pub trait Control: Sync {
-    /// Called after every row of pixels, from any thread. [`ControlFlow::Break`] ends the rendering; what has been sampled is kept.
+    /// Called after every row of pixels, from any thread, also while edges are looked for. [`ControlFlow::Break`] ends the rendering; what has been sampled is kept.
     fn progress(&self, progress: &Progress) -> ControlFlow<()>;
 
     /// Called between passes with the film so far; the place to save checkpoints.
@@ -70,6 +70,7 @@ pub fn render(
     resume: Option<Film>,
     control: &dyn Control,
 ) -> Result<Film, PathTracerError> {
+    let start = Instant::now();
     settings.validate()?;
     stop.validate()?;
     let camera = tracer.camera(settings)?;
@@ -82,10 +83,13 @@ pub fn render(
             Film::new(settings.size, layout, fingerprint, settings.adaptive)
         }
         Some(film) if film.fingerprint.scene != fingerprint.scene => {
-            return Err(PathTracerError::CheckpointMismatch { what: "the scene" });
+            return Err(PathTracerError::CheckpointMismatch { what: "the scene, or the light or environment sampler, differs" });
         }
-        Some(film) if film.fingerprint.settings != fingerprint.settings || film.layout != layout || film.size != settings.size => {
-            return Err(PathTracerError::CheckpointMismatch { what: "the settings" });
+        Some(film) if film.layout != layout => {
+            return Err(PathTracerError::CheckpointMismatch { what: "its images differ: --aov and --denoise must be as before" });
+        }
+        Some(film) if film.fingerprint.settings != fingerprint.settings || film.size != settings.size => {
+            return Err(PathTracerError::CheckpointMismatch { what: "the settings differ" });
         }
         Some(film) => film,
     };
@@ -94,16 +98,9 @@ pub fn render(
     let max_depth = if settings.integrator == Integrator::Direct { settings.max_depth.min(1) } else { settings.max_depth };
     let cx = Context { world: &tracer.world, lights: &tracer.lights, settings, max_depth };
     let view = CameraView::new(&tracer.world.snapshot.cameras[camera], settings.size);
-    let pixels = Pixels {
-        edges: Edges::find(&cx, &view),
-        cx,
-        view,
-        previous,
-        filter: FilterSampler::new(settings.filter),
-        slots,
-        channels: film.layout.channels,
-    };
-    Run { pixels, stop, control, start: Instant::now(), seconds_before: film.seconds }.run(&mut film);
+    let pixels =
+        Pixels { edges: None, cx, view, previous, filter: FilterSampler::new(settings.filter), slots, channels: film.layout.channels };
+    Run { pixels, stop, control, start, seconds_before: film.seconds }.run(&mut film);
     Ok(film)
 }
 
@@ -118,10 +115,14 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn run(&self, film: &mut Film) {
+    fn run(mut self, film: &mut Film) {
         let mut error = (film.spp() > 0).then(|| film.uncertainty().0);
         let mut time_per_spp = None;
         film.revise();
+        if self.goal(film, error, time_per_spp).is_none() || self.find_edges(film, error).is_break() {
+            film.seconds = self.seconds_before + self.start.elapsed().as_secs_f64();
+            return;
+        }
         while let Some(goal) = self.goal(film, error, time_per_spp) {
             let (begin, from) = (Instant::now(), film.spp());
             let cancelled = self.pass(film, goal, error);
@@ -134,6 +135,20 @@ impl Run<'_> {
             film.revise();
             self.control.pass(film);
         }
+    }
+
+    /// The edges are the same in every run and count among the rays of a film once.
+    fn find_edges(&mut self, film: &mut Film, error: Option<f32>) -> ControlFlow<()> {
+        let (spp, samples) = (film.spp(), film.samples());
+        let row = || {
+            let elapsed = self.start.elapsed();
+            let fraction = self.fraction(samples as f64 / f64::from(film.size.x) / f64::from(film.size.y), elapsed, error);
+            self.control.progress(&Progress { spp, samples, fraction, elapsed, relative_standard_error: error })
+        };
+        let edges = Edges::find(&self.pixels.cx, &self.pixels.view, row)?;
+        film.rays = film.rays.max(Edges::rays(&self.pixels.cx));
+        self.pixels.edges = edges;
+        ControlFlow::Continue(())
     }
 
     /// Samples per pixel to have after the next pass; `None` to stop. The first passes double the samples.

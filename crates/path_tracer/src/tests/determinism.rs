@@ -1,7 +1,7 @@
 //! Threads, passes, interruptions and files leave no trace.
 
 use super::scenes::{cornell, film_at, sized, tracer};
-use crate::{Aov, Control, Film, PathTracerError, Progress, Settings, Stop, render, uncontrolled};
+use crate::{Aov, Control, Film, LightSampler, PathTracerError, Progress, Settings, Stop, render, uncontrolled};
 use kajo_sampling::SamplerKind;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -65,35 +65,49 @@ fn adaptive_films_are_the_same_at_any_number_of_threads_and_interruptions() {
         film = Some(Film::load(&path).unwrap());
     }
     assert!(samples(film.unwrap()) == whole);
-    let cancelled = render(&tracer, &adaptive(), Stop::at_spp(ADAPTIVE_SPP), None, &Impatient(AtomicU32::new(0))).unwrap();
+    let cancelled = render(&tracer, &adaptive(), Stop::at_spp(ADAPTIVE_SPP), None, &Impatient::after(34)).unwrap();
     let finished = render(&tracer, &adaptive(), Stop::at_spp(ADAPTIVE_SPP), Some(cancelled), &uncontrolled).unwrap();
     assert!(samples(finished) == whole);
     let even = film_at(&cornell(), &Settings { adaptive: false, ..adaptive() }, 16);
     assert_eq!(film_at(&cornell(), &adaptive(), 16).develop().beauty(), even.develop().beauty(), "the pilot is the same");
     assert!(matches!(
         render(&tracer, &adaptive(), Stop::at_spp(17), Some(even), &uncontrolled),
-        Err(PathTracerError::CheckpointMismatch { what: "the settings" })
+        Err(PathTracerError::CheckpointMismatch { what: "the settings differ" })
     ));
 }
 
-/// Breaks after some rows.
+/// Breaks after this many rows.
 struct Impatient(AtomicU32);
+
+impl Impatient {
+    fn after(rows: u32) -> Self {
+        Self(AtomicU32::new(rows))
+    }
+}
 
 impl Control for Impatient {
     fn progress(&self, _: &Progress) -> ControlFlow<()> {
-        if self.0.fetch_add(1, Ordering::Relaxed) >= 20 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        let left = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1));
+        if left.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 }
 
 #[test]
 fn cancelled_films_are_usable_and_can_be_finished() {
     let tracer = tracer(&cornell());
-    let cancelled = render(&tracer, &settings(), Stop::at_spp(13), None, &Impatient(AtomicU32::new(0))).unwrap();
+    // While edges are looked for, row by row, there is no sample yet, nor a ray that counts.
+    let early = render(&tracer, &settings(), Stop::at_spp(13), None, &Impatient::after(7)).unwrap();
+    assert_eq!((early.samples(), early.rays()), (0, 0));
+    assert!(early.develop().beauty().pixels().iter().all(|p| p.is_finite()));
+    assert!(samples(render(&tracer, &settings(), Stop::at_spp(13), Some(early), &uncontrolled).unwrap()) == whole());
+    let cancelled = render(&tracer, &settings(), Stop::at_spp(13), None, &Impatient::after(14 + 20)).unwrap();
     assert!(cancelled.spp() >= 1 && cancelled.spp() < 13, "{} samples per pixel", cancelled.spp());
     assert!(cancelled.develop().beauty().pixels().iter().all(|p| p.is_finite()));
     let finished = render(&tracer, &settings(), Stop::at_spp(13), Some(cancelled), &uncontrolled).unwrap();
     assert!(samples(finished) == whole());
 }
+
+const SCENE: &str = "the scene, or the light or environment sampler, differs";
 
 #[test]
 fn films_of_other_pictures_are_refused() {
@@ -104,13 +118,20 @@ fn films_of_other_pictures_are_refused() {
     let no_lights = Settings { aovs: Vec::new(), ..settings() };
     let film_of_furnace = render(&tracer(&other_scene), &no_lights, Stop::at_spp(1), None, &uncontrolled).unwrap();
     let wrong_scene = render(&tracer(&cornell()), &no_lights, Stop::at_spp(2), Some(film_of_furnace), &uncontrolled);
-    assert!(matches!(wrong_scene, Err(PathTracerError::CheckpointMismatch { what: "the scene" })));
-    for other in [Settings { seed: 1, ..settings() }, Settings { max_depth: 3, ..settings() }, no_lights, sized(14, 20)] {
-        assert!(matches!(resume(&cornell(), &other), Err(PathTracerError::CheckpointMismatch { what: "the settings" })));
+    assert!(matches!(wrong_scene, Err(PathTracerError::CheckpointMismatch { what: SCENE })));
+    let size = glam::UVec2::new(14, 20);
+    for other in [Settings { seed: 1, ..settings() }, Settings { max_depth: 3, ..settings() }, Settings { size, ..settings() }] {
+        assert!(matches!(resume(&cornell(), &other), Err(PathTracerError::CheckpointMismatch { what: "the settings differ" })));
+    }
+    let images = resume(&cornell(), &no_lights).unwrap_err().to_string();
+    assert!(images.contains("its images differ: --aov and --denoise"), "{images}");
+    for by in [LightSampler::Uniform, LightSampler::Ris { candidates: 4 }] {
+        let otherwise = render(&tracer(&cornell()).with_light_sampler(by), &settings(), Stop::at_spp(2), Some(film()), &uncontrolled);
+        assert!(matches!(otherwise, Err(PathTracerError::CheckpointMismatch { what: SCENE })));
     }
     let mut darker = cornell();
     darker.materials[0].base_color *= 0.5;
-    assert!(matches!(resume(&darker, &settings()), Err(PathTracerError::CheckpointMismatch { what: "the scene" })));
+    assert!(matches!(resume(&darker, &settings()), Err(PathTracerError::CheckpointMismatch { what: SCENE })));
     assert!(resume(&cornell(), &settings()).is_ok());
 }
 

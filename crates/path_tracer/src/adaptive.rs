@@ -27,6 +27,7 @@
 use crate::blocks::BlockSums;
 use glam::UVec2;
 use kajo_sampling::{hash_u64, unit_f32};
+use kajo_units::LinearRgb;
 
 /// Samples of every pixel before the first plan.
 pub(crate) const PILOT: u32 = 16;
@@ -54,9 +55,9 @@ pub(crate) struct Pilot {
 impl Pilot {
     /// From sums and blocks of the first `n` samples of red, green and blue.
     pub(crate) fn new(sums: &[f64], blocks: &[BlockSums], n: u32) -> Self {
-        const WEIGHTS: [f64; 3] = [0.2126, 0.7152, 0.0722];
+        let weights = LinearRgb::LUMINANCE.map(f64::from);
         let (mut mean, mut deviation) = (0.0, 0.0);
-        for ((weight, sum), block) in WEIGHTS.iter().zip(sums).zip(blocks) {
+        for ((weight, sum), block) in weights.iter().zip(sums).zip(blocks) {
             mean += weight * sum / f64::from(n);
             deviation += weight * (f64::from(block.variance_of_mean(n)) * f64::from(n)).sqrt();
         }

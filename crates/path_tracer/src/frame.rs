@@ -182,7 +182,7 @@ impl Film {
     /// The variance of luminance is bounded by treating the channels as fully correlated, √Var Y = Σ w_c √Var c: exact for grey light.
     pub(crate) fn uncertainty(&self) -> (f32, (f32, f32)) {
         const NORMAL_95: f64 = 1.959_964;
-        let weights = [0.2126, 0.7152, 0.0722];
+        let weights = LinearRgb::LUMINANCE.map(f64::from);
         let pixels = self.size.x as usize * self.size.y as usize;
         let (mut mean, mut variance) = (0.0f64, 0.0f64);
         for pixel in 0..pixels {

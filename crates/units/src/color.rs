@@ -31,9 +31,12 @@ impl LinearRgb {
         Self(Vec3::splat(v))
     }
 
-    /// Relative luminance Y = 0.2126 R + 0.7152 G + 0.0722 B.    ITU-R BT.709-6, item 3.2
+    /// Share of each channel in the luminance.    ITU-R BT.709-6, item 3.2
+    pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+    /// Relative luminance Y = 0.2126 R + 0.7152 G + 0.0722 B, the weights of [`LinearRgb::LUMINANCE`].
     pub fn luminance(self) -> f32 {
-        self.0.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+        self.0.dot(Vec3::from_array(Self::LUMINANCE))
     }
 
     /// Largest channel.

@@ -1,7 +1,7 @@
 //! The court of `many-lights` with N glowing triangles in the place of lamps: embers that whirl around the columns, one mesh a column. They share one total
 //! power, so scenes of different N differ in the number of choices alone.
 
-use super::many_lights::{TOTAL_POWER, columns, court, hue};
+use super::many_lights::{COLUMN_RADIUS, TOTAL_POWER, columns, court, hue};
 use super::stage::{at, lambert};
 use super::{BuiltinScene, Count, noise};
 use crate::{Material, Mesh, Scene};
@@ -21,7 +21,7 @@ const TOTAL_AREA: f32 = 2.0;
 
 fn make(embers: u32) -> Scene {
     let mut stage = court();
-    // The area is kept below what a few embers could be seen as.
+    // An ember has 0.01 m² at most: up to 200 of them have less than the total area.
     let area = TOTAL_AREA.min(0.01 * embers as f32);
     let side = (area / embers as f32 * 4.0 / 3f32.sqrt()).sqrt();
     let radiance = TOTAL_POWER / (PI * area);
@@ -42,12 +42,14 @@ fn make(embers: u32) -> Scene {
 /// Triangles of that side around the y axis, each where its number puts it.
 fn whirl(numbers: impl Iterator<Item = u32>, side: f32) -> Mesh {
     let mut mesh = Mesh::default();
+    let reach = side / 3f32.sqrt();
+    let nearest = f32::max(0.32, COLUMN_RADIUS + reach);
     for number in numbers {
         let random = |stream: u32| noise::unit(number, stream);
         let height = random(1);
         let angle = TAU * (random(2) + 1.5 * height);
         // Wide below, narrow above, never inside of the column.
-        let radius = 0.32 + 0.9 * (1.0 - height) * random(3).sqrt();
+        let radius = nearest + 0.9 * (1.0 - height) * random(3).sqrt();
         let center = Vec3::new(radius * angle.cos(), 0.1 + 3.2 * height, radius * angle.sin());
         let up = 2.0 * random(4) - 1.0;
         let (sin, cos) = (TAU * random(5)).sin_cos();
@@ -56,7 +58,7 @@ fn whirl(numbers: impl Iterator<Item = u32>, side: f32) -> Mesh {
         let first = mesh.positions.len() as u32;
         for k in 0..3u8 {
             let (sin, cos) = (f32::from(k) * TAU / 3.0).sin_cos();
-            mesh.positions.push(center + turn * (Vec3::new(cos, sin, 0.0) * side / 3f32.sqrt()));
+            mesh.positions.push(center + turn * (Vec3::new(cos, sin, 0.0) * reach));
             mesh.normals.push(normal);
             mesh.tangents.push((turn * Vec3::X).extend(1.0));
             mesh.uvs[0].push(Vec2::new(0.5 + 0.5 * cos, 0.5 - 0.5 * sin));

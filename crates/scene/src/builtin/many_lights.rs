@@ -18,6 +18,9 @@ pub(super) const SCENE: BuiltinScene = BuiltinScene {
 
 /// Radius of a lamp, m.
 const LAMP_RADIUS: f32 = 0.02;
+/// Radius of a column, m.
+pub(super) const COLUMN_RADIUS: f32 = 0.25;
+
 /// Radiant power of all lamps together, W; a lamp of radiance L and radius r has 4π² r² L.
 pub(super) const TOTAL_POWER: f32 = 900.0;
 /// Half the side of the court, m.
@@ -51,7 +54,7 @@ pub(super) fn court() -> Stage {
     let glaze = stage.material("glaze", plastic(rgb(0.3, 0.3, 0.32), 0.2));
     stage.place("ground", shapes::floor(2.0 * HALF, 2.0 * HALF, 9.0), ground, at(0.0, 0.0, 0.0));
 
-    let column = stage.mesh("column", shapes::cylinder(0.25, 3.0, 48), stone);
+    let column = stage.mesh("column", shapes::cylinder(COLUMN_RADIUS, 3.0, 48), stone);
     let ball = stage.mesh("ball", shapes::sphere(0.35, 48), glaze);
     for (i, j, place) in columns() {
         let Vec2 { x, y: z } = place;
@@ -71,7 +74,7 @@ fn lamp_position(i: u32) -> Vec3 {
     let square = |alpha: f64| ((0.5 + alpha * n).fract() * 2.0 - 1.0) as f32 * (HALF - 0.3);
     let mut place = Vec2::new(square(0.754_877_666_246_693), square(0.569_840_290_998_053));
     let nearest = (place / 3.6).round().clamp(Vec2::splat(-2.0), Vec2::splat(2.0)) * 3.6;
-    let clearance = 0.25 + 2.0 * LAMP_RADIUS;
+    let clearance = COLUMN_RADIUS + 2.0 * LAMP_RADIUS;
     if place.distance(nearest) < clearance {
         place = nearest + (place - nearest).normalize_or(Vec2::X) * clearance;
     }

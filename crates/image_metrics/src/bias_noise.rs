@@ -2,6 +2,7 @@
 
 use crate::MetricsError;
 use crate::error::{check, check_size};
+use crate::scatter::moments;
 use kajo_image::Image;
 use kajo_units::LinearRgb;
 
@@ -53,9 +54,7 @@ pub fn bias_noise(
     for (i, r) in reference.pixels().iter().enumerate() {
         let (mut of_mean, mut total) = (0.0, ROUNDING * f64::from(r.0.length_squared()));
         for c in 0..3 {
-            let values = runs.iter().map(|run| f64::from(run.pixels()[i][c]));
-            let mean = values.clone().sum::<f64>() / k;
-            let spread = values.map(|v| (v - mean).powi(2)).sum::<f64>() / (k - 1.0);
+            let (mean, spread) = moments(runs, i, c);
             let known = variance.map_or(0.0, |v| f64::from(v.pixels()[i][c].max(0.0)));
             within += spread;
             of_reference += known;

@@ -34,7 +34,7 @@ pub enum MetricsError {
         y: u32,
     },
     /// Statistics of one run.
-    #[error("splitting bias from noise needs at least 2 runs, got {got}; raise --repeat")]
+    #[error("noise shows between runs: at least 2 are needed, got {got}; raise --repeat")]
     TooFewRepeats {
         /// Number of runs.
         got: usize,

@@ -73,7 +73,7 @@ impl<'a> Geometry<'a> {
 
     /// Checks everything and puts a box around each triangle and shape.
     pub(crate) fn items(&self) -> Result<Vec<Item>, BvhError> {
-        Limits::HERE.check_primitives(self.triangle_count() + self.shape_count())?;
+        Limits::HERE.check_primitives(self.triangle_count().saturating_add(self.shape_count()))?;
         let mut items = self
             .indices
             .par_iter()

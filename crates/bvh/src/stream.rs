@@ -4,17 +4,17 @@
 //! takes the top of its stack; then those that took a node test it, and those that took a leaf test a block of triangles, in loops without
 //! branches that depend on what is found, so that the processor overlaps the work of several rays. A ray that is done makes room for the next. Every hit
 //! is, bit for bit, that of the ray alone.
-//! Unlike streams that are sorted to share nodes, these rays share nothing but the processor.
+//! Unlike streams that are sorted to share nodes, these rays share nothing but the processor. Their stacks stand on that of the thread and take 300 KiB of
+//! it, once more for each batch that is traced while another one asks whether a hit is accepted.
 
 use crate::{
-    blas::Blas,
     counters::NoCounters,
     lanes::{Crossings, Lanes, Task},
     ray::{Filter, Hit, Ray},
     slab::{MARGIN, SlabRay},
     stack::{Stack, Storage},
-    tlas::{Placed, Tlas},
-    traverse::{Mesh, Nearest, Query},
+    tlas::Tlas,
+    traverse::{Inside, Nearest, Query},
     triangle::{BLOCK_SIZE, ShearedRay},
     wide::{Child, WideTree},
 };
@@ -56,15 +56,6 @@ struct Flight<'a> {
     sheared: ShearedRay,
     /// The ray, prepared for the boxes of the upper level.
     slab_in_world: SlabRay,
-}
-
-/// An instance.
-#[derive(Clone, Copy)]
-struct Inside<'a> {
-    blas: &'a Blas,
-    instance: u32,
-    ask: bool,
-    exclude: u32,
 }
 
 /// Some of the flights.
@@ -163,13 +154,7 @@ impl<'a, F: FnMut(usize, &Hit) -> bool, R: FnMut(usize, Nearest), const ANY: boo
         let tlas = self.tlas;
         let [placed] = tlas.placed() else { return None };
         let plain = placed.is_in_place() && tlas.blases()[placed.blas as usize].shapes().is_none();
-        (plain && placed.mask & self.filter.mask != 0).then(|| self.inside(placed))
-    }
-
-    #[inline(always)]
-    fn inside(&self, placed: &Placed) -> Inside<'a> {
-        let blas = &*self.tlas.blases()[placed.blas as usize];
-        Inside { blas, instance: placed.instance, ask: !placed.opaque, exclude: self.filter.excluded_in(placed.instance) }
+        (plain && placed.mask & self.filter.mask != 0).then(|| Inside::new(tlas, placed, &self.filter))
     }
 
     /// Sends off the next ray that can hit anything; those before it are reported. `false` if there is none.
@@ -226,10 +211,10 @@ impl<'a, F: FnMut(usize, &Hit) -> bool, R: FnMut(usize, Nearest), const ANY: boo
         if placed.mask & self.filter.mask != 0
             && let Some(ray) = placed.local_ray(&self.rays[flight.ray])
         {
-            let inside = self.inside(placed);
+            let inside = Inside::new(self.tlas, placed, &self.filter);
             let slab = SlabRay::new(&ray, &inside.blas.tree().bounds, MARGIN, 0.0);
             if inside.blas.shapes().is_some() || slab.lacks_axes() {
-                self.alone::<L>(flight, &inside, &ray);
+                self.alone::<L>(flight, inside, &ray);
                 flight.hit::<ANY>(&mut stack);
             } else {
                 flight.tree = inside.blas.tree();
@@ -245,12 +230,12 @@ impl<'a, F: FnMut(usize, &Hit) -> bool, R: FnMut(usize, Nearest), const ANY: boo
 
     /// The whole of an instance.
     #[inline(never)]
-    fn alone<L: Lanes>(&mut self, flight: &mut Flight<'a>, &Inside { blas, instance, ask, exclude }: &Inside, ray: &Ray) {
+    fn alone<L: Lanes>(&mut self, flight: &mut Flight<'a>, inside: Inside, ray: &Ray) {
         let accept = &mut self.accept;
         let accept = |hit: &Hit| accept(flight.ray, hit);
         let mut query =
             Query { ray: &self.rays[flight.ray], filter: self.filter, accept, counters: &mut NoCounters, nearest: flight.nearest };
-        L::Single::call(&mut Mesh::<_, _, ANY, true> { blas, ray, instance, ask, exclude, query: &mut query });
+        inside.trace::<L, _, _, ANY>(ray, &mut query);
         flight.nearest = query.nearest;
     }
 

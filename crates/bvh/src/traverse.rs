@@ -8,7 +8,7 @@ use crate::{
     ray::{Filter, Hit, Ray},
     slab::{MARGIN, SlabRay},
     stack::{Stack, Storage},
-    tlas::Tlas,
+    tlas::{Placed, Tlas},
     triangle::{BLOCK_SIZE, Block, NO_PRIMITIVE, ShearedRay},
     wide::{Child, Node, WideTree},
 };
@@ -39,6 +39,35 @@ impl Nearest {
 
     pub fn into_option(self) -> Option<Hit> {
         self.found.then_some(self.hit)
+    }
+}
+
+/// An instance that is entered.
+#[derive(Clone, Copy)]
+pub(crate) struct Inside<'a> {
+    pub blas: &'a Blas,
+    pub instance: u32,
+    /// Whether its hits need to be accepted.
+    pub ask: bool,
+    /// The triangle of it that is never hit, [`NO_PRIMITIVE`] for none.
+    pub exclude: u32,
+}
+
+impl<'a> Inside<'a> {
+    #[inline(always)]
+    pub fn new(tlas: &'a Tlas, placed: &Placed, filter: &Filter) -> Self {
+        let blas = &*tlas.blases()[placed.blas as usize];
+        Self { blas, instance: placed.instance, ask: !placed.opaque, exclude: filter.excluded_in(placed.instance) }
+    }
+
+    /// Traces a ray through its mesh; `ray` is the ray of the query in the space of the mesh.
+    #[inline(always)]
+    pub fn trace<L: Lanes, F: FnMut(&Hit) -> bool, C: Count, const ANY: bool>(self, ray: &Ray, query: &mut Query<F, C>) {
+        if self.blas.shapes().is_none() {
+            L::call(&mut Mesh::<F, C, ANY, false> { inside: self, ray, query });
+        } else {
+            L::call(&mut Mesh::<F, C, ANY, true> { inside: self, ray, query });
+        }
     }
 }
 
@@ -177,14 +206,8 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Visi
             } else {
                 continue;
             };
-            let exclude = self.query.filter.excluded_in(placed.instance);
-            let ask = !OPAQUE && !placed.opaque;
-            let blas = &self.tlas.blases()[placed.blas as usize];
-            if blas.shapes().is_none() {
-                L::call(&mut Mesh::<F, C, ANY, false> { blas, ray, instance: placed.instance, ask, exclude, query: self.query });
-            } else {
-                L::call(&mut Mesh::<F, C, ANY, true> { blas, ray, instance: placed.instance, ask, exclude, query: self.query });
-            }
+            let inside = Inside::new(self.tlas, placed, &self.query.filter);
+            Inside { ask: !OPAQUE && inside.ask, ..inside }.trace::<L, _, _, ANY>(ray, self.query);
             if ANY && self.query.nearest.found {
                 return true;
             }
@@ -194,19 +217,16 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const OPAQUE: bool> Visi
 }
 
 /// Traces a ray through one mesh, in its space. `SHAPES` tells whether it has any.
-pub(crate) struct Mesh<'a, 'q, F, C, const ANY: bool, const SHAPES: bool> {
-    pub blas: &'a Blas,
-    pub ray: &'a Ray,
-    pub instance: u32,
-    pub ask: bool,
-    pub exclude: u32,
-    pub query: &'a mut Query<'q, F, C>,
+struct Mesh<'a, 'q, F, C, const ANY: bool, const SHAPES: bool> {
+    inside: Inside<'a>,
+    ray: &'a Ray,
+    query: &'a mut Query<'q, F, C>,
 }
 
 impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const SHAPES: bool> Task for Mesh<'_, '_, F, C, ANY, SHAPES> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        let tree = self.blas.tree();
+        let tree = self.inside.blas.tree();
         let slab = SlabRay::new(self.ray, &tree.bounds, MARGIN, 0.0);
         let sheared = ShearedRay::new(self.ray);
         walk::<L, _, _>(tree, &slab, &mut InMesh { sheared, mesh: self });
@@ -232,7 +252,7 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const SHAPES: bool> Visi
 
     #[inline(always)]
     fn leaf<L: Lanes>(&mut self, items: Range<usize>) -> bool {
-        for block in &self.mesh.blas.blocks()[items] {
+        for block in &self.mesh.inside.blas.blocks()[items] {
             self.mesh.query.counters.triangles(|| block.len());
             let mut crossings = Crossings::default();
             let mut crossed = L::triangles(&self.sheared, block, self.mesh.ray.t_min, self.limit(), &mut crossings);
@@ -260,10 +280,11 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const SHAPES: bool> InMe
     #[inline(never)]
     fn shapes(&mut self, block: &Block) {
         for primitive in block.primitives.into_iter().filter(|&primitive| primitive != NO_PRIMITIVE) {
-            let Some(crossing) = self.mesh.blas.cross_shape(primitive, self.mesh.ray) else { continue };
-            let hit = Hit { t: crossing.t, u: crossing.u, v: crossing.v, primitive, instance: self.mesh.instance };
+            let Inside { blas, instance, ask, exclude } = self.mesh.inside;
+            let Some(crossing) = blas.cross_shape(primitive, self.mesh.ray) else { continue };
+            let hit = Hit { t: crossing.t, u: crossing.u, v: crossing.v, primitive, instance };
             let query = &mut *self.mesh.query;
-            if query.nearest.admits(&hit) && primitive != self.mesh.exclude && (!self.mesh.ask || (query.accept)(&hit)) {
+            if query.nearest.admits(&hit) && primitive != exclude && (!ask || (query.accept)(&hit)) {
                 query.nearest = Nearest { hit, found: true };
             }
         }
@@ -272,9 +293,10 @@ impl<C: Count, F: FnMut(&Hit) -> bool, const ANY: bool, const SHAPES: bool> InMe
     /// Keeps a hit if it is nearer than the one before and accepted.
     #[inline(always)]
     fn consider(&mut self, primitive: u32, t: f32, u: f32, v: f32) {
-        let hit = Hit { t, u, v, primitive, instance: self.mesh.instance };
+        let Inside { instance, ask, exclude, .. } = self.mesh.inside;
+        let hit = Hit { t, u, v, primitive, instance };
         let query = &mut *self.mesh.query;
-        if query.nearest.is_beaten_by(&hit) && primitive != self.mesh.exclude && (!self.mesh.ask || (query.accept)(&hit)) {
+        if query.nearest.is_beaten_by(&hit) && primitive != exclude && (!ask || (query.accept)(&hit)) {
             query.nearest = Nearest { hit, found: true };
         }
     }

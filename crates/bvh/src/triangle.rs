@@ -19,15 +19,15 @@ use glam::Vec3;
 pub const MAX_COORDINATE: f32 = 1e18;
 
 /// Triangles of a [`Block`].
-pub const BLOCK_SIZE: usize = 4;
+pub(crate) const BLOCK_SIZE: usize = 4;
 
 /// Marks an unused lane of a [`Block`].
-pub const NO_PRIMITIVE: u32 = u32::MAX;
+pub(crate) const NO_PRIMITIVE: u32 = u32::MAX;
 
 /// Four triangles, side by side for SIMD.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(16))]
-pub struct Block {
+pub(crate) struct Block {
     /// `[vertex][axis][lane]`, m. NaN in unused lanes: every comparison then fails.
     pub vertices: [[[f32; BLOCK_SIZE]; 3]; 3],
     /// Index of the triangle in its mesh, [`NO_PRIMITIVE`] in unused lanes.
@@ -57,16 +57,11 @@ impl Block {
     pub fn len(&self) -> u32 {
         self.primitives.iter().filter(|&&p| p != NO_PRIMITIVE).count() as u32
     }
-
-    /// Whether no lane is in use.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
 }
 
 /// A ray prepared for triangles: the axis it runs along most becomes z, the others are sheared onto it.
 #[derive(Clone, Copy, Debug)]
-pub struct ShearedRay {
+pub(crate) struct ShearedRay {
     /// Which axes become x, y and z.
     pub axes: [usize; 3],
     /// Origin, in the new order of axes.

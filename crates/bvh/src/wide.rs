@@ -68,7 +68,7 @@ pub struct Node {
     /// What is in each box.
     pub children: [Child; WIDTH],
     /// For each octant of directions (bit 0 set for −x, 1 for −y, 2 for −z), the children from the farthest to the nearest, three bits each from
-    /// the lowest on.
+    /// the lowest on. Of the boxes as they were built: an update keeps it, which costs time and no hit.
     pub orders: [u32; 8],
 }
 

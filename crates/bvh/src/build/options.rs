@@ -28,11 +28,6 @@ impl BuildQuality {
             Self::High => "high",
         }
     }
-
-    /// The quality of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|quality| quality.name() == name)
-    }
 }
 
 /// How to build. `BuildOptions::default()` suits a scene that is built once and traced for long.

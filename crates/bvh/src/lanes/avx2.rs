@@ -15,8 +15,6 @@ use std::arch::x86_64::*;
 pub(crate) struct Avx2;
 
 impl Lanes for Avx2 {
-    type Single = Self;
-
     #[inline(always)]
     fn call(task: &mut impl Task) {
         #[inline(never)]
@@ -94,22 +92,16 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     fn may_cross(ray: &ShearedRay, block: &Block) -> bool {
-        // SAFETY: as in `triangles`.
+        // SAFETY: AVX is there (see the type).
         unsafe {
-            let [x, y, z] = ray.axes;
-            let origin = ray.origin.map(|o| _mm_set1_ps(o));
-            let shear = ray.shear.map(|s| _mm_set1_ps(s));
-            let sheared = |v: usize| {
-                let row = |axis: usize| _mm_load_ps(block.vertices[v][axis].as_ptr());
-                let dz = _mm_sub_ps(row(z), origin[2]);
-                let dx = _mm_sub_ps(_mm_sub_ps(row(x), origin[0]), _mm_mul_ps(shear[0], dz));
-                let dy = _mm_sub_ps(_mm_sub_ps(row(y), origin[1]), _mm_mul_ps(shear[1], dz));
-                [dx, dy]
-            };
-            let (a, b, c) = (sheared(0), sheared(1), sheared(2));
+            let [a, b, c] = sheared(ray, block);
             // Rounding is monotone, so the signs are right or zero, and two signs tell a miss.
-            let edge = |p: [__m128; 2], q: [__m128; 2]| _mm_sub_ps(_mm_mul_ps(p[0], q[1]), _mm_mul_ps(p[1], q[0]));
-            let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
+            macro_rules! edge {
+                ($p:ident, $q:ident) => {
+                    _mm_sub_ps(_mm_mul_ps($p[0], $q[1]), _mm_mul_ps($p[1], $q[0]))
+                };
+            }
+            let (u, v, w) = (edge!(c, b), edge!(a, c), edge!(b, a));
             let least = _mm_min_ps(_mm_min_ps(u, v), w);
             let greatest = _mm_max_ps(_mm_max_ps(u, v), w);
             let zero = _mm_setzero_ps();
@@ -119,23 +111,22 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     fn triangles(ray: &ShearedRay, block: &Block, t_min: f32, t_max: f32, out: &mut Crossings) -> u32 {
-        // SAFETY: AVX is there (see the type); a row of a block is 4 floats aligned to 16 bytes, as are those of `out`.
+        // SAFETY: AVX and FMA are there (see the type); the rows of `out` are 4 floats aligned to 16 bytes.
         unsafe {
-            let [x, y, z] = ray.axes;
-            let origin = ray.origin.map(|o| _mm_set1_ps(o));
-            let shear = ray.shear.map(|s| _mm_set1_ps(s));
-            // The same operations as `ShearedRay::shear`; then exact to double precision.
-            let sheared = |v: usize| {
-                let row = |axis: usize| _mm_load_ps(block.vertices[v][axis].as_ptr());
-                let dz = _mm_sub_ps(row(z), origin[2]);
-                let dx = _mm_sub_ps(_mm_sub_ps(row(x), origin[0]), _mm_mul_ps(shear[0], dz));
-                let dy = _mm_sub_ps(_mm_sub_ps(row(y), origin[1]), _mm_mul_ps(shear[1], dz));
-                [_mm256_cvtps_pd(dx), _mm256_cvtps_pd(dy), _mm256_cvtps_pd(dz)]
-            };
-            let (a, b, c) = (sheared(0), sheared(1), sheared(2));
+            let [a, b, c] = sheared(ray, block);
+            macro_rules! doubled {
+                ($p:ident) => {
+                    [_mm256_cvtps_pd($p[0]), _mm256_cvtps_pd($p[1]), _mm256_cvtps_pd($p[2])]
+                };
+            }
+            let (a, b, c) = (doubled!(a), doubled!(b), doubled!(c));
             // Products are exact in double precision, so fusing changes nothing here; below it would, and is not done.
-            let edge = |p: [__m256d; 3], q: [__m256d; 3]| _mm256_fmsub_pd(p[0], q[1], _mm256_mul_pd(p[1], q[0]));
-            let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
+            macro_rules! edge {
+                ($p:ident, $q:ident) => {
+                    _mm256_fmsub_pd($p[0], $q[1], _mm256_mul_pd($p[1], $q[0]))
+                };
+            }
+            let (u, v, w) = (edge!(c, b), edge!(a, c), edge!(b, a));
             let zero = _mm256_setzero_pd();
             let least = _mm256_min_pd(_mm256_min_pd(u, v), w);
             let greatest = _mm256_max_pd(_mm256_max_pd(u, v), w);
@@ -182,10 +173,32 @@ pub(super) fn entry_and_exit(ray: &SlabRay, node: &Node, t_max: f32) -> (__m256,
         }
         let near = [met!(near_planes, near, 0), met!(near_planes, near, 1), met!(near_planes, near, 2)];
         let far = [met!(far_planes, far, 0), met!(far_planes, far, 1), met!(far_planes, far, 2)];
-        // Where a product overflows to NaN, max and min return their second operand, and at last `t_min` and `t_max`: the box counts as met.
+        // Only the planes of a child that is not there give NaN, for a ray that lacks axes: max and min return their second operand, and at last
+        // `t_min` and `t_max`, so the box counts as met. See `SlabRay::lacks_axes`.
         let near = _mm256_max_ps(_mm256_max_ps(near[0], near[1]), _mm256_max_ps(near[2], _mm256_set1_ps(ray.t_min)));
         let far = _mm256_min_ps(_mm256_min_ps(far[0], far[1]), _mm256_min_ps(far[2], _mm256_set1_ps(t_max)));
         (near, far)
+    }
+}
+
+/// The vertices of four triangles: the operations of `ShearedRay::shear`. Only where AVX is.
+#[inline(always)]
+fn sheared(ray: &ShearedRay, block: &Block) -> [[__m128; 3]; 3] {
+    let [x, y, z] = ray.axes;
+    // SAFETY: the callers are there; a row of a block is 4 floats aligned to 16 bytes.
+    unsafe {
+        let (origin_x, origin_y, origin_z) = (_mm_set1_ps(ray.origin[0]), _mm_set1_ps(ray.origin[1]), _mm_set1_ps(ray.origin[2]));
+        let (shear_x, shear_y) = (_mm_set1_ps(ray.shear[0]), _mm_set1_ps(ray.shear[1]));
+        macro_rules! vertex {
+            ($number:literal) => {{
+                let rows = &block.vertices[$number];
+                let dz = _mm_sub_ps(_mm_load_ps(rows[z].as_ptr()), origin_z);
+                let dx = _mm_sub_ps(_mm_sub_ps(_mm_load_ps(rows[x].as_ptr()), origin_x), _mm_mul_ps(shear_x, dz));
+                let dy = _mm_sub_ps(_mm_sub_ps(_mm_load_ps(rows[y].as_ptr()), origin_y), _mm_mul_ps(shear_y, dz));
+                [dx, dy, dz]
+            }};
+        }
+        [vertex!(0), vertex!(1), vertex!(2)]
     }
 }
 

@@ -1,4 +1,5 @@
-//! AVX-512: whole packets in one register. Single rays gain nothing from it and stay with AVX2.
+//! AVX-512: whole packets in one register, and children put in order without branches. Boxes and triangles of single rays are tested as by AVX2:
+//! registers of twice the width gain nothing there.
 
 use super::{Avx2, Crossings, Distances, Lanes, Task, avx2::entry_and_exit};
 use crate::{
@@ -10,12 +11,11 @@ use crate::{
 };
 use std::arch::x86_64::*;
 
-/// Sixteen rays in one register. Used like [`Avx2`].
+/// Sixteen rays in one register. Used only inside functions that enable the features, after
+/// [`Backend::is_supported`](super::Backend::is_supported) said so.
 pub(crate) struct Avx512;
 
 impl Lanes for Avx512 {
-    type Single = Self;
-
     #[inline(always)]
     fn call(task: &mut impl Task) {
         #[inline(never)]

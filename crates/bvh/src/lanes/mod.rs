@@ -26,9 +26,6 @@ pub(crate) struct Distances(pub [f32; WIDTH]);
 
 /// Tests boxes and triangles side by side. Implementations may differ in rounding of box distances, within the margin of [`crate::slab`].
 pub(crate) trait Lanes: Sized {
-    /// What traces single rays fastest.
-    type Single: Lanes;
-
     /// Runs a task in a function of its own that may use the instructions. Everything the task does must be inlined into it.
     fn call(task: &mut impl Task);
 
@@ -80,7 +77,7 @@ pub enum Backend {
     Portable,
     /// AVX2 and FMA; x86-64 only.
     Avx2,
-    /// The same for single rays, AVX-512 (F, VL, BW, DQ) for packets.
+    /// AVX-512 (F, VL, BW, DQ), BMI, LZCNT and POPCNT, which all processors with AVX-512 have; x86-64 only.
     Avx512,
 }
 
@@ -98,8 +95,12 @@ impl Backend {
             Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => {
+                // All that `Avx512::call` enables: a virtual machine may hide any of them.
                 let wide = is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl");
-                wide && is_x86_feature_detected!("avx512bw") && is_x86_feature_detected!("avx512dq") && Self::Avx2.is_supported()
+                let wide = wide && is_x86_feature_detected!("avx512bw") && is_x86_feature_detected!("avx512dq");
+                let bits = is_x86_feature_detected!("bmi1") && is_x86_feature_detected!("bmi2");
+                let bits = bits && is_x86_feature_detected!("lzcnt") && is_x86_feature_detected!("popcnt");
+                wide && bits && Self::Avx2.is_supported()
             }
             #[cfg(not(target_arch = "x86_64"))]
             Self::Avx2 | Self::Avx512 => false,

@@ -14,8 +14,6 @@ use glam::Vec4;
 pub(crate) struct Portable;
 
 impl Lanes for Portable {
-    type Single = Self;
-
     #[inline(never)]
     fn call(task: &mut impl Task) {
         task.run::<Self>();

@@ -2,13 +2,12 @@
 
 use super::{Frustum, NearestHits, Packet, SIZE};
 use crate::{
-    blas::Blas,
     counters::NoCounters,
     lanes::{Lanes, Task},
     ray::{Filter, Hit, PrimitiveRef, Ray},
     slab::MARGIN,
     tlas::{Placed, Tlas},
-    traverse::{Mesh, Query, Visitor, walk},
+    traverse::{Inside, Query, Visitor, walk},
     triangle::{BLOCK_SIZE, NO_PRIMITIVE},
     wide::{Child, Node},
 };
@@ -44,7 +43,7 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> Task for PacketWorld<'_, F,
         } else {
             let (margin, extra) = self.tlas.margin();
             let frustum = packet.frustum(&tree.bounds, margin, extra);
-            if !frustum.finite {
+            if !frustum.fits {
                 return;
             }
             walk::<L, _, _>(tree, &frustum, &mut InWorld { packet: &packet, world: self });
@@ -77,13 +76,12 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> Visitor for InWorld<'_, '_,
             if placed.mask & self.world.filter.mask == 0 {
                 continue;
             }
-            let blas = &*tlas.blases()[placed.blas as usize];
-            let instance = Instance { placed, blas, ask: !placed.opaque, exclude: self.world.filter.excluded_in(placed.instance) };
+            let inside = Inside::new(tlas, placed, &self.world.filter);
             if placed.is_in_place() {
-                self.world.enter::<L>(&instance, self.packet);
+                self.world.enter::<L>(placed, inside, self.packet);
             } else {
                 // A ray that cannot hit anything there is none that is alike.
-                self.world.enter::<L>(&instance, &Packet::new(&placed.local_rays(self.world.rays)));
+                self.world.enter::<L>(placed, inside, &Packet::new(&placed.local_rays(self.world.rays)));
             }
             if ANY && self.limit() == f32::NEG_INFINITY {
                 return true;
@@ -93,30 +91,22 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> Visitor for InWorld<'_, '_,
     }
 }
 
-/// An instance that is entered.
-struct Instance<'a> {
-    placed: &'a Placed,
-    blas: &'a Blas,
-    ask: bool,
-    exclude: u32,
-}
-
 impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> PacketWorld<'_, F, ANY> {
     /// All rays together, `packet` being what they are there.
     #[inline(always)]
-    fn enter<L: Lanes>(&mut self, instance: &Instance, packet: &Packet) {
-        let tree = instance.blas.tree();
+    fn enter<L: Lanes>(&mut self, placed: &Placed, inside: Inside, packet: &Packet) {
+        let tree = inside.blas.tree();
         let frustum = packet.frustum(&tree.bounds, MARGIN, 0.0);
-        if packet.alike && frustum.finite && instance.blas.shapes().is_none() {
+        if packet.alike && frustum.fits && inside.blas.shapes().is_none() {
             let limit = self.nearest.farthest();
-            walk::<L, _, _>(tree, &frustum, &mut InMesh { instance, packet, frustum: &frustum, limit, world: self });
+            walk::<L, _, _>(tree, &frustum, &mut InMesh { inside, packet, frustum: &frustum, limit, world: self });
         } else {
-            self.enter_alone::<L>(instance);
+            self.enter_alone::<L>(placed, inside);
         }
     }
 
     /// One ray after the other, where they are not alike in the instance's space.
-    fn enter_alone<L: Lanes>(&mut self, &Instance { placed, blas, ask, exclude }: &Instance) {
+    fn enter_alone<L: Lanes>(&mut self, placed: &Placed, inside: Inside) {
         for i in 0..SIZE {
             if ANY && self.nearest.is_found(i) {
                 continue;
@@ -126,25 +116,7 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> PacketWorld<'_, F, ANY> {
             let accept = |hit: &Hit| accept(i, hit);
             let (nearest, counters) = (self.nearest.get::<ANY>(i), &mut NoCounters);
             let mut query = Query { ray: &self.rays[i], filter: self.filter, accept, counters, nearest };
-            if blas.shapes().is_none() {
-                L::Single::call(&mut Mesh::<_, _, ANY, false> {
-                    blas,
-                    ray: &ray,
-                    instance: placed.instance,
-                    ask,
-                    exclude,
-                    query: &mut query,
-                });
-            } else {
-                L::Single::call(&mut Mesh::<_, _, ANY, true> {
-                    blas,
-                    ray: &ray,
-                    instance: placed.instance,
-                    ask,
-                    exclude,
-                    query: &mut query,
-                });
-            }
+            inside.trace::<L, _, _, ANY>(&ray, &mut query);
             let nearest = query.nearest;
             self.nearest.set::<ANY>(i, nearest);
         }
@@ -153,7 +125,7 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> PacketWorld<'_, F, ANY> {
 
 /// Leaves of the lower level are blocks of triangles.
 struct InMesh<'w, 'a, F, const ANY: bool> {
-    instance: &'w Instance<'w>,
+    inside: Inside<'w>,
     packet: &'w Packet,
     frustum: &'w Frustum,
     /// The farthest that a ray may still hit something.
@@ -180,7 +152,7 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> Visitor for InMesh<'_, '_, 
     #[inline(always)]
     fn leaf<L: Lanes>(&mut self, items: Range<usize>) -> bool {
         let [x, y, z] = self.packet.axes();
-        for block in &self.instance.blas.blocks()[items] {
+        for block in &self.inside.blas.blocks()[items] {
             for lane in 0..BLOCK_SIZE {
                 let primitive = block.primitives[lane];
                 if primitive == NO_PRIMITIVE {
@@ -191,11 +163,11 @@ impl<F: FnMut(usize, &Hit) -> bool, const ANY: bool> Visitor for InMesh<'_, '_, 
                 let vertices =
                     [[a[x][lane], a[y][lane], a[z][lane]], [b[x][lane], b[y][lane], b[z][lane]], [c[x][lane], c[y][lane], c[z][lane]]];
                 if let Some(crossings) = self.packet.cross(&vertices, self.world.nearest.distances())
-                    && primitive != self.instance.exclude
+                    && primitive != self.inside.exclude
                 {
                     let world = &mut *self.world;
-                    let found = PrimitiveRef { instance: self.instance.placed.instance, primitive };
-                    world.nearest.consider::<ANY>(found, &crossings, self.instance.ask, &mut world.accept);
+                    let found = PrimitiveRef { instance: self.inside.instance, primitive };
+                    world.nearest.consider::<ANY>(found, &crossings, self.inside.ask, &mut world.accept);
                     self.limit = world.nearest.farthest();
                     if ANY && self.limit == f32::NEG_INFINITY {
                         return true;

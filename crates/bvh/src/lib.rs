@@ -3,8 +3,9 @@
 //! A [`Blas`] holds the triangles of one mesh in its own space, a [`Tlas`] places many of them in the world. Both are binned-SAH trees
 //! collapsed to eight children a node, traced eight boxes and four triangles at a time. Which triangle is hit is decided exactly (on
 //! the sheared vertices, see [`triangle`]), boxes are tested with a margin that covers every rounding on the way (see [`slab`]), and
-//! equal distances are decided by index; so the answer is a property of the scene and the ray alone: a brute-force loop, the portable
-//! code, the AVX2 code and any number of build threads agree bit for bit.
+//! equal distances are decided by index; so the answer is a property of the scene and the ray alone: a brute-force loop, a ray by itself and
+//! among others, the portable, AVX2 and AVX-512 code and any number of build threads agree bit for bit. (The one exception: an instance whose
+//! transform shrinks a direction, along one axis and not along another, to fewer digits than a number has, below 10⁻³⁸ m.)
 //!
 //! ```
 //! use glam::{Affine3A, Vec3};
@@ -55,7 +56,7 @@ pub use geometry::{Geometry, Procedural};
 pub use lanes::Backend;
 pub use limits::{Features, Limits};
 pub use offset::{SurfacePoint, offset_origin};
-pub use ray::{Filter, Hit, PrimitiveRef, Ray};
+pub use ray::{Filter, Hit, LEAST_DIRECTION, PrimitiveRef, Ray};
 pub use refit::UpdateReport;
 pub use tlas::{BvhInstance, Tlas};
 pub use validate::Fault;

@@ -3,10 +3,12 @@
 use crate::triangle::{MAX_COORDINATE, NO_PRIMITIVE};
 use glam::{Vec3, Vec3A};
 
-/// A half-open line: the points `origin + t · direction` with `t_min < t < t_max`, both ends excluded.
+/// A part of a line: the points `origin + t · direction` with `t_min < t < t_max`, both ends excluded for triangles (shapes count at both, see
+/// [`Procedural`](crate::Procedural)).
 ///
 /// The direction need not be of unit length: `t` counts in its length, and is the same in every instance's space.
-/// A ray whose direction is zero or not finite, or whose origin is not finite or beyond [`MAX_COORDINATE`], hits nothing.
+/// A ray hits nothing if its interval is empty or not a number, if its origin is not finite or beyond [`MAX_COORDINATE`], or if its direction is not finite
+/// or, in the world or in an instance's space, shorter along every axis than [`LEAST_DIRECTION`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Ray {
@@ -19,6 +21,9 @@ pub struct Ray {
     /// Hits must lie before this; may be infinite.
     pub t_max: f32,
 }
+
+/// Least of the greatest component of a direction, m: 2⁻¹²⁴. Smaller numbers have too few digits to say where a ray goes.
+pub const LEAST_DIRECTION: f32 = 4.0 * f32::MIN_POSITIVE;
 
 impl Ray {
     /// A ray without end, from `t = 0`.
@@ -44,7 +49,7 @@ impl Ray {
         let direction = Vec3A::from_vec4(self.direction.extend(self.t_max)).abs();
         // Comparisons with NaN are false.
         let finite = origin.cmple(Vec3A::splat(MAX_COORDINATE)) & direction.cmple(Vec3A::MAX);
-        finite.all() && direction.max_element() > 0.0 && self.t_min < self.t_max
+        finite.all() && direction.max_element() >= LEAST_DIRECTION && self.t_min < self.t_max
     }
 }
 
@@ -103,9 +108,7 @@ impl Filter {
     pub fn leaving(hit: &Hit) -> Self {
         Self { exclude: Some(hit.primitive_ref()), ..Self::ALL }
     }
-}
 
-impl Filter {
     /// The triangle of `instance` that is never hit, [`NO_PRIMITIVE`] for none.
     #[inline(always)]
     pub(crate) fn excluded_in(&self, instance: u32) -> u32 {

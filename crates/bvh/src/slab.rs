@@ -14,14 +14,17 @@ pub const MARGIN: f32 = 1.0 / 1048576.0;
 
 /// Least magnitude of a direction's component, relative to the greatest. Raising a smaller one moves the ray by less than the margin
 /// and keeps its reciprocal finite.
-const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 40) as f32;
+pub(crate) const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 40) as f32;
 
 /// Sums of two distances up to this are numbers.
 const GREATEST_DISTANCE: f32 = 1e37;
 
+/// The steps between the smallest numbers, 2⁻¹⁴⁹, are far below the margin of distances from this on.
+pub(crate) const LEAST_DISTANCE: f32 = 1e-35;
+
 /// A ray prepared for boxes: the near and the far plane of an axis are met at `plane · reciprocal + near` and `… + far`.
 #[derive(Clone, Copy, Debug)]
-pub struct SlabRay {
+pub(crate) struct SlabRay {
     /// 1/d, of components kept away from zero.
     pub reciprocal: Vec3A,
     /// −(o + e sign d)/d: makes near distances smaller.
@@ -29,10 +32,10 @@ pub struct SlabRay {
     /// −(o − e sign d)/d: makes far distances greater.
     pub far: Vec3A,
     /// Where the near and the far planes of each axis start among the floats of a [`Node`](crate::wide::Node): multiples of [`WIDTH`].
-    pub(crate) near_planes: [usize; 3],
-    pub(crate) far_planes: [usize; 3],
+    pub near_planes: [usize; 3],
+    pub far_planes: [usize; 3],
     /// Which of a node's [`orders`](crate::wide::Node::orders) it follows.
-    pub(crate) octant: usize,
+    pub octant: usize,
     /// Start of the ray.
     pub t_min: f32,
 }
@@ -49,7 +52,8 @@ impl SlabRay {
         let e = margin * reach + extra;
         let size = direction.abs();
         let least = Vec3A::splat(size.max_element() * LEAST_COMPONENT);
-        let reciprocal = 1.0 / size.max(least).copysign(direction);
+        let time = 1.0 / size.max(least);
+        let reciprocal = time.copysign(direction);
         let reversed = -reciprocal;
         let outwards = Vec3A::splat(e).copysign(direction);
         let negative = direction.is_negative_bitmask() as usize;
@@ -64,11 +68,12 @@ impl SlabRay {
             t_min: ray.t_min,
         };
         // No plane and no part of the origin is farther from zero than `reach`. Comparisons with NaN are false.
-        let fits = (reciprocal * (reach + e)).abs().cmple(Vec3A::splat(GREATEST_DISTANCE));
+        let farthest = time * (reach + e);
+        let fits = farthest.cmple(Vec3A::splat(GREATEST_DISTANCE)) & farthest.cmpge(Vec3A::splat(LEAST_DISTANCE));
         if fits.all() { slab } else { slab.without_axes(!fits) }
     }
 
-    /// Without the axes whose distances overflow, as with a direction of 10⁻³⁷: there every plane is met at −∞ and left at +∞.
+    /// Without the axes whose distances overflow or vanish, as with a direction of 10⁻³⁷ or 10³⁷ m: there every plane is met at −∞ and left at +∞.
     #[cold]
     fn without_axes(self, axes: BVec3A) -> Self {
         Self {

@@ -125,8 +125,9 @@ enum Standing {
 struct Found {
     placed: Placed,
     bounds: Aabb,
-    /// By how much its transform amplifies rounding, and that times its translation, m.
+    /// By how much its transform amplifies rounding.
     condition: f64,
+    /// That times its translation, and the smallest numbers of its space, m.
     shift: f64,
 }
 
@@ -170,7 +171,10 @@ impl Standing {
             opaque: instance.opaque,
             identity: instance.world_from_object == Affine3A::IDENTITY,
         };
-        let shift = condition * f64::from(instance.world_from_object.translation.abs().max_element());
+        let axes = instance.world_from_object.matrix3.as_dmat3();
+        let stretch = (axes.x_axis.abs() + axes.y_axis.abs() + axes.z_axis.abs()).max_element();
+        let shift =
+            condition * f64::from(instance.world_from_object.translation.abs().max_element()) + stretch * f64::from(f32::MIN_POSITIVE);
         Ok(Self::Active(Found { placed, bounds, condition, shift }))
     }
 }
@@ -194,8 +198,7 @@ impl Tlas {
         Self::build_with(blases, &instances, &BuildOptions::default())
     }
 
-    /// [`build`](Self::build) as the options say. Instances are not cut, so that here [`BuildQuality::High`](crate::BuildQuality::High) is as
-    /// [`BuildQuality::Balanced`](crate::BuildQuality::Balanced).
+    /// [`build`](Self::build) as the options say. Instances are never cut, and a leaf holds one.
     ///
     /// # Errors
     /// Those of [`build`](Self::build).
@@ -424,6 +427,29 @@ fn invert(map: &Affine3A) -> Option<(Affine3A, f64)> {
     let amplification = (product.x_axis + product.y_axis + product.z_axis).max_element();
     let there = DAffine3 { matrix3: inverse, translation: -(inverse * map.translation.as_dvec3()) };
     let rounded = Affine3A::from_mat3_translation(there.matrix3.as_mat3(), there.translation.as_vec3());
-    let least = there.matrix3.to_cols_array().into_iter().fold(0.0f64, |m, x| m.max(x.abs()));
-    (amplification <= MAX_CONDITION && rounded.is_finite() && least >= f64::from(f32::MIN_POSITIVE)).then_some((rounded, amplification))
+    // Of a transform that magnifies by more than 10³⁸ nothing would be left.
+    let greatest = there.matrix3.to_cols_array().into_iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    (amplification <= MAX_CONDITION && rounded.is_finite() && greatest >= f64::from(f32::MIN_POSITIVE)).then_some((rounded, amplification))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Quat, Vec3};
+
+    #[test]
+    fn margins_follow_an_update() {
+        let blas = Arc::new(Blas::build(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &BuildOptions::default()).unwrap());
+        let near = vec![BvhInstance::new(0, Affine3A::IDENTITY), BvhInstance::new(0, Affine3A::from_translation(Vec3::X))];
+        let sheared = Affine3A::from_scale(Vec3::new(100.0, 1.0, 1.0)) * Affine3A::from_quat(Quat::from_rotation_z(1.0));
+        let far = vec![near[0], BvhInstance::new(0, Affine3A::from_translation(Vec3::X * 1e4) * sheared)];
+        let options = BuildOptions { allow_update: true, ..BuildOptions::default() };
+        let mut world = Tlas::build_with(vec![blas.clone()], &near, &options).unwrap();
+        let before = world.margin();
+        world.update(vec![blas.clone()], &far).unwrap();
+        assert_eq!(world.margin(), Tlas::build(vec![blas.clone()], far).unwrap().margin());
+        assert!(world.margin().0 > 50.0 * before.0 && world.margin().1 > 1e5 * before.1, "{before:?} {:?}", world.margin());
+        world.update(vec![blas], &near).unwrap();
+        assert_eq!(world.margin(), before);
+    }
 }

@@ -3,11 +3,7 @@
 mod common;
 
 use common::*;
-use kajo_bvh::{Backend, Filter, Hit, Tlas};
-
-fn backends() -> impl Iterator<Item = Backend> {
-    [Backend::Portable, Backend::Avx2, Backend::Avx512].into_iter().filter(|b| b.is_supported())
-}
+use kajo_bvh::{Filter, Hit, Tlas};
 
 #[test]
 fn closest_hit_equals_brute_force_bit_for_bit() {

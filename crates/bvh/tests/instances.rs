@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use glam::{Affine3A, Quat, Vec3};
 use kajo_bvh::gpu::FlatBvh;
-use kajo_bvh::{Backend, BvhInstance, Filter, Ray, Tlas};
+use kajo_bvh::{BvhInstance, Filter, Ray, Tlas};
 use std::sync::Arc;
 
 /// A rotation, an uneven scale (mirrored for odd numbers) and a translation.
@@ -34,7 +34,7 @@ fn far_rays(count: usize, seed: u64) -> impl Iterator<Item = Ray> {
 #[test]
 fn placed_meshes_equal_brute_force_bit_for_bit() {
     let (_, plain) = world(40, 3);
-    for backend in [Backend::Portable, Backend::Avx2, Backend::Avx512].into_iter().filter(|b| b.is_supported()) {
+    for backend in backends() {
         let tlas = plain.clone().with_backend(backend);
         let mut hits = 0;
         for ray in far_rays(3_000, 4) {
@@ -43,6 +43,36 @@ fn placed_meshes_equal_brute_force_bit_for_bit() {
             hits += usize::from(expected.is_some());
         }
         assert!(hits > 100, "{hits}");
+    }
+}
+
+/// Meshes far from their own origin and instances sheared by a stretch after a turn: rays are rounded on the way into their spaces, by more than the
+/// margins of a mesh allow for. They are aimed at the outlines of the boxes: at vertices.
+#[test]
+fn transforms_that_amplify_rounding_equal_brute_force() {
+    for (away, stretch) in [(0.0, 1.0), (3e4, 1.0), (0.0, 300.0), (1e4, 100.0)] {
+        let mut random = Random::new(31);
+        let shift = Vec3::new(away, -0.5 * away, 0.25 * away);
+        let mesh = soup(12, 0.5, 32).map(|p| p - shift);
+        let instances: Vec<BvhInstance> = (0..12)
+            .map(|_| {
+                let turn = Affine3A::from_quat(Quat::from_axis_angle(random.sphere(), random.unit() * 6.0));
+                let sheared = Affine3A::from_scale(Vec3::new(stretch, 1.0, 1.0)) * turn;
+                BvhInstance::new(0, Affine3A::from_translation(random.cube() * 4.0) * sheared * Affine3A::from_translation(shift))
+            })
+            .collect();
+        let tlas = Tlas::build(vec![Arc::new(mesh.blas())], instances.clone()).unwrap();
+        let mut hits = 0;
+        for _ in 0..20_000 {
+            let instance = instances[random.bits() as usize % instances.len()].world_from_object;
+            let target = instance.transform_point3(mesh.positions[random.bits() as usize % mesh.positions.len()]);
+            let origin = random.cube() * 8.0 * Vec3::new(stretch, 1.0, 1.0);
+            let ray = Ray::new(origin, target - origin);
+            let expected = tlas.closest_hit_brute_force(&ray, Filter::ALL, |_| true);
+            same(expected, tlas.closest_hit_opaque(&ray, Filter::ALL)).unwrap_or_else(|e| panic!("{away} {stretch} {ray:?}: {e}"));
+            hits += usize::from(expected.is_some());
+        }
+        assert!(hits > 5_000, "{away} {stretch}: {hits}");
     }
 }
 

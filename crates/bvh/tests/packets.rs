@@ -4,12 +4,8 @@ mod common;
 
 use common::*;
 use glam::{Affine3A, Quat, Vec3};
-use kajo_bvh::{Backend, BvhInstance, Filter, Hit, Ray, Tlas};
+use kajo_bvh::{BvhInstance, Filter, Hit, Ray, Tlas};
 use std::sync::Arc;
-
-fn backends() -> impl Iterator<Item = Backend> {
-    [Backend::Portable, Backend::Avx2, Backend::Avx512].into_iter().filter(|b| b.is_supported())
-}
 
 /// Rows of pixels from points around the origin that look at it: alike in the middle of a row, less so where signs change. Some start or end in the middle.
 fn camera_rays(views: usize, side: usize, size: f32, seed: u64) -> Vec<Ray> {
@@ -68,6 +64,20 @@ fn rows_of_pixels_equal_brute_force_bit_for_bit() {
 }
 
 #[test]
+fn neighbours_may_start_and_end_anywhere() {
+    let plain = Tlas::single(soup(2_000, 0.2, 26).blas());
+    let (mut rays, mut random) = (camera_rays(3, 48, 1.0, 27), Random::new(28));
+    for ray in &mut rays {
+        let length = ray.direction.length();
+        let (a, b) = (random.unit() * 4.0 / length, random.unit() * 4.0 / length);
+        (ray.t_min, ray.t_max) = (a.min(b), a.max(b));
+    }
+    for backend in backends() {
+        assert!(check(&plain.clone().with_backend(backend), &rays, Filter::ALL) > 500);
+    }
+}
+
+#[test]
 fn rays_without_order_equal_brute_force_bit_for_bit() {
     let plain = Tlas::single(soup(2_000, 0.2, 3).blas());
     let rays = rays(1_500, 4);
@@ -122,6 +132,28 @@ fn placed_masked_and_transparent_instances_equal_brute_force() {
     }
 }
 
+/// Where boxes end: rays that are alike through vertices, edges and corners of a closed mesh, which their rounded boxes must not lose.
+#[test]
+fn vertices_and_edges_are_met_through_the_margins_of_boxes() {
+    let mesh = sphere(4);
+    let mut random = Random::new(25);
+    let mut rays = Vec::new();
+    for view in 0..12 {
+        let eye = random.sphere() * [1.5, 30.0, 1000.0][view % 3];
+        for first in (0..mesh.indices.len()).step_by(16) {
+            // Neighbours stand beside each other in the list.
+            rays.extend((0..16).map(|i| {
+                let [a, b, c] = mesh.triangle(first + i / 2);
+                Ray::new(eye, [a, b, c, a.midpoint(b)][(i + view) % 4] - eye)
+            }));
+        }
+    }
+    for backend in backends() {
+        let hits = check(&Tlas::single(mesh.blas()).with_backend(backend), &rays, Filter::ALL);
+        assert!(hits > rays.len() / 2, "{hits} of {}", rays.len());
+    }
+}
+
 /// A ray that hits nothing, among others that are alike, takes nothing from them.
 #[test]
 fn rays_that_are_none_do_not_disturb_their_neighbours() {
@@ -169,6 +201,81 @@ fn directions_of_any_length_equal_brute_force() {
                 }
             }
         }
+    }
+}
+
+/// Long directions make distances so small that they lose their digits, and large instances make directions so short that they do.
+#[test]
+fn scenes_and_directions_of_any_size_equal_brute_force() {
+    let turn = |random: &mut Random| Quat::from_axis_angle(random.sphere(), random.unit() * 6.0);
+    // Size of the mesh, of its instances, and length of the directions.
+    for (size, scale, length) in [
+        (1e-10, 1.0, 1e34f32),
+        (1e-10, 1.0, 1e35),
+        (1e-20, 1.0, 1e24),
+        (1e-20, 1.0, 1e25),
+        (1.0, 1.0, 3e38),
+        (1e-10, 1e10, 1e-34),
+        (1e-10, 1e10, 1e-35),
+        (1e-24, 1e24, 1e-20),
+        (1e-28, 1e28, 1.0),
+        (1e17, 1e-17, 1e20),
+    ] {
+        let mesh = soup(300, 0.3, 16).map(|p| p * size);
+        let mut random = Random::new(17);
+        let instances = (0..if scale == 1.0 { 1 } else { 20 })
+            .map(|_| {
+                let placed = Affine3A::from_scale_rotation_translation(Vec3::splat(scale), turn(&mut random), random.cube() * 3.0);
+                BvhInstance::new(0, if scale == 1.0 { Affine3A::IDENTITY } else { placed })
+            })
+            .collect();
+        let plain = Tlas::build(vec![Arc::new(mesh.blas())], instances).unwrap();
+        let world = if scale == 1.0 { size } else { 3.0 };
+        let mut rays = camera_rays(1, 16, 1.0, 18);
+        rays.extend(common::rays(600, 19));
+        for ray in &mut rays {
+            (ray.origin, ray.direction) = (ray.origin * world, ray.direction.normalize() * length);
+            (ray.t_min, ray.t_max) = (0.0, f32::INFINITY);
+        }
+        for backend in backends() {
+            let tlas = plain.clone().with_backend(backend);
+            check(&tlas, &rays, Filter::ALL);
+            for (i, ray) in rays.iter().enumerate() {
+                let expected = tlas.closest_hit_brute_force(ray, Filter::ALL, |hit| accepts(i, hit));
+                same(expected, tlas.closest_hit(ray, Filter::ALL, |hit| accepts(i, hit)))
+                    .unwrap_or_else(|difference| panic!("{size} {scale} {ray:?}: {difference}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_single_instance_is_hidden_by_its_mask_from_all() {
+    let instance = BvhInstance { mask: 0b01, ..BvhInstance::new(0, Affine3A::IDENTITY) };
+    let plain = Tlas::build(vec![Arc::new(soup(500, 0.3, 20).blas())], vec![instance]).unwrap();
+    let mut rays = camera_rays(1, 32, 1.0, 21);
+    rays.extend(common::rays(500, 22));
+    for backend in backends() {
+        let tlas = plain.clone().with_backend(backend);
+        assert_eq!(check(&tlas, &rays, Filter { mask: 0b10, exclude: None }), 0);
+        assert!(check(&tlas, &rays, Filter { mask: 0b11, exclude: None }) > 300);
+    }
+}
+
+/// Threads of Rust have 2 MiB; rays in flight take 300 KiB of it.
+#[test]
+fn a_batch_fits_into_a_small_thread() {
+    let tlas = Tlas::single(soup(500, 0.3, 23).blas());
+    for backend in backends() {
+        let tlas = tlas.clone().with_backend(backend);
+        let small = std::thread::Builder::new().stack_size(512 << 10);
+        let thread = small.spawn(move || {
+            let rays = rays(500, 24);
+            let mut hits = vec![None; rays.len()];
+            tlas.closest_hits(&rays, Filter::ALL, |_, _| true, &mut hits);
+            hits.iter().flatten().count()
+        });
+        assert!(thread.unwrap().join().unwrap() > 100);
     }
 }
 

@@ -12,6 +12,7 @@ use super::{SIZE, Span, fold, greater, less, span};
 use crate::{
     aabb::Aabb,
     lanes::Distances,
+    slab::{LEAST_COMPONENT, LEAST_DISTANCE},
     wide::{Node, WIDTH},
 };
 
@@ -33,8 +34,8 @@ pub(crate) struct Frustum {
     pub t_min: f32,
     /// 1/d of each ray, and what is added to a product with it: as in [`SlabRay`](crate::slab::SlabRay).
     each: [Each; 3],
-    /// Whether no number overflows; nothing else means anything if not.
-    pub finite: bool,
+    /// Whether no number overflows or is lost for being small; nothing else means anything if not.
+    pub fits: bool,
 }
 
 /// One axis of every ray.
@@ -44,9 +45,6 @@ struct Each {
     near: [f32; SIZE],
     far: [f32; SIZE],
 }
-
-/// Least magnitude of a direction's component, relative to the greatest; as in [`crate::slab`].
-const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 40) as f32;
 
 impl Frustum {
     /// Prepares rays whose directions have one sign on each axis for boxes inside `bounds`.
@@ -73,7 +71,7 @@ impl Frustum {
             octant: 0,
             t_min,
             each: [Each { reciprocal: [0.0; SIZE], near: [0.0; SIZE], far: [0.0; SIZE] }; 3],
-            finite: true,
+            fits: true,
         };
         for axis in 0..3 {
             let (o, d) = (&origin[axis], &direction[axis]);
@@ -103,8 +101,9 @@ impl Frustum {
         // A plane is at most `distance + |o|` from zero.
         let reach = distance + far_from_zero;
         for axis in 0..3 {
-            let r = greater(frustum.reciprocal[axis].low.abs(), frustum.reciprocal[axis].high.abs());
-            frustum.finite &= (r * reach).is_finite() && frustum.near[axis].is_finite() && frustum.far[axis].is_finite();
+            let (low, high) = (frustum.reciprocal[axis].low.abs(), frustum.reciprocal[axis].high.abs());
+            frustum.fits &= less(low, high) * reach >= LEAST_DISTANCE && (greater(low, high) * reach).is_finite();
+            frustum.fits &= frustum.near[axis].is_finite() && frustum.far[axis].is_finite();
         }
         frustum
     }

@@ -17,7 +17,7 @@ pub(crate) use walk::PacketWorld;
 
 use crate::{
     aabb::Aabb,
-    ray::Ray,
+    ray::{LEAST_DIRECTION, Ray},
     triangle::{MAX_COORDINATE, ShearedRay},
 };
 
@@ -132,10 +132,12 @@ impl Packet {
                 signs[i] |= d[axis].to_bits() ^ direction[axis][0].to_bits();
             }
             let size = d.map(f32::abs);
-            let x_is_greatest = size[0] >= greater(size[1], size[2]);
+            let other = greater(size[1], size[2]);
+            let x_is_greatest = size[0] >= other;
             let y_is_greatest = !x_is_greatest & (size[1] >= size[2]);
             // A NaN among the bounds would spoil the packet's own.
             let usable = (size[0] <= f32::MAX) & (size[1] <= f32::MAX) & (size[2] <= f32::MAX) & (t_min[i] < t_max[i]);
+            let usable = usable & (greater(size[0], other) >= LEAST_DIRECTION);
             let near = |axis: usize| origin[axis][i].abs() <= MAX_COORDINATE;
             let alike = (x_is_greatest == x_first) & (y_is_greatest == y_first) & usable & near(0) & near(1) & near(2);
             unlike[i] = if alike { 0 } else { u32::MAX };

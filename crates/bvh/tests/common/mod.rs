@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 use glam::Vec3;
-use kajo_bvh::{Blas, BuildOptions, Hit, Ray};
+use kajo_bvh::{Backend, Blas, BuildOptions, Hit, Ray};
 
 /// A small counter-based generator (SplitMix64): tests need repeatable numbers, not good ones.
 pub struct Random(u64);
@@ -36,6 +36,11 @@ impl Random {
         let r = (1.0 - z * z).max(0.0).sqrt();
         Vec3::new(r * phi.cos(), r * phi.sin(), z)
     }
+}
+
+/// Those that this processor runs.
+pub fn backends() -> impl Iterator<Item = Backend> {
+    [Backend::Portable, Backend::Avx2, Backend::Avx512].into_iter().filter(|b| b.is_supported())
 }
 
 /// Vertices and triangles.

@@ -339,3 +339,33 @@ fn pad<T: Default>(list: &mut Vec<T>) {
         list.push(T::default());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Blas, BuildOptions};
+
+    /// Entries that a walk needs which descends to the deeper child first, the other one waiting, and enters every box.
+    fn most_waiting(nodes: &[FlatNode], index: usize) -> u32 {
+        if nodes[index].count > 0 {
+            return 1;
+        }
+        let left = nodes[index].left_or_first as usize;
+        let (a, b) = (most_waiting(nodes, left), most_waiting(nodes, left + 1));
+        1 + a.max(b)
+    }
+
+    #[test]
+    fn stacks_hold_the_longest_walk() {
+        for growth in [1.0f32, 1.1, 2.0] {
+            for count in [1u32, 2, 5, 6, 100] {
+                let corner = |i: u32, k: u32| Vec3::new(1.0, (k % 2) as f32, (k / 2) as f32) * growth.powi(i as i32 - 50);
+                let positions: Vec<Vec3> = (0..count).flat_map(|i| (0..3).map(move |k| corner(i, k))).collect();
+                let indices: Vec<[u32; 3]> = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+                let flat = FlatBvh::new(&Tlas::single(Blas::build(&positions, &indices, &BuildOptions::default()).unwrap()));
+                assert_eq!(flat.blas_stack, most_waiting(&flat.blas_nodes, 0), "{count} triangles, each {growth} times the last");
+                assert_eq!(flat.tlas_stack, 1);
+            }
+        }
+    }
+}

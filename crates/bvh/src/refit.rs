@@ -16,9 +16,9 @@ pub struct UpdateReport {
 }
 
 impl UpdateReport {
-    /// How many times the work it takes now; 1 for an empty tree.
+    /// How many times the work it takes now; 1 for a tree without surface, ∞ for one that had none when it was built.
     pub fn degradation(&self) -> f32 {
-        if self.built_cost > 0.0 { self.cost / self.built_cost } else { 1.0 }
+        if self.cost == self.built_cost { 1.0 } else { self.cost / self.built_cost }
     }
 
     /// Whether a build would soon pay: rays take half as much work again.

@@ -362,3 +362,81 @@ impl CutBins {
         best
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::Sah;
+
+    /// Thin triangles in all directions, the same every time.
+    fn needles() -> Vec<[Vec3; 3]> {
+        let mut state = 1u64;
+        let mut unit = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1u64 << 24) as f32
+        };
+        let mut point = |size: f32| Vec3::new(unit(), unit(), unit()) * size;
+        (0..60)
+            .map(|_| {
+                let (a, b) = (point(1.0), point(1.0));
+                [a, b, b + point(0.05)]
+            })
+            .collect()
+    }
+
+    fn items(triangles: &[[Vec3; 3]]) -> Vec<Item> {
+        (0..).zip(triangles).map(|(number, &triangle)| Item::new(&Aabb::of_points(triangle), number)).collect()
+    }
+
+    /// Points of the edges of both parts, more exact than a box of single-precision numbers.
+    #[test]
+    fn boxes_of_parts_hold_every_point_of_them() {
+        for triangle in needles() {
+            let item = items(&[triangle])[0];
+            for axis in 0..3 {
+                let position = (item.min()[axis] + item.max()[axis]) * 0.5;
+                let (Some(left), Some(right)) = parts(&item, triangle, axis, position) else {
+                    panic!("{triangle:?} reaches over {position}")
+                };
+                let cut = f64::from(position);
+                for (a, b) in (0..3).map(|i| (triangle[i].as_dvec3(), triangle[(i + 1) % 3].as_dvec3())) {
+                    let crossing = (cut - a[axis]) / (b[axis] - a[axis]);
+                    for t in [0.0, 0.3, crossing, 0.6, 1.0].into_iter().filter(|t| (0.0..=1.0).contains(t)) {
+                        let point = a.lerp(b, t);
+                        let holds = |part: &Item| {
+                            let (min, max) = (part.min().xyz().as_dvec3() - 1e-12, part.max().xyz().as_dvec3() + 1e-12);
+                            min.cmple(point).all() && point.cmple(max).all()
+                        };
+                        let (below, above) = (t == crossing || point[axis] < cut, t == crossing || point[axis] > cut);
+                        assert!(
+                            (!below || holds(&left)) && (!above || holds(&right)),
+                            "{point} of {triangle:?} cut at {position} on {axis}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    /// What bins estimate of both sides of a cut is what cutting there gives.
+    #[test]
+    fn estimates_of_both_sides_are_what_a_cut_leaves_there() {
+        let triangles = needles();
+        let (items, cost) = (items(&triangles), Cost { sah: Sah::default(), block: 4 });
+        for count in [5, 20, 60] {
+            let items = &items[..count];
+            let cut = CutBins::fill(items, &Bounds::of(items), &|number| Some(triangles[number as usize])).best(&cost).expect("a cut");
+            let mut sides = [CutSide::EMPTY; 2];
+            for item in items {
+                let (left, right) = parts(item, triangles[item.number() as usize], cut.axis, cut.position);
+                for (side, part) in sides.iter_mut().zip([left, right]).filter_map(|(side, part)| part.map(|part| (side, part))) {
+                    *side = CutSide { count: side.count + 1, ..side.with(&part) };
+                }
+            }
+            for (estimate, side) in cut.sides.iter().zip(&sides) {
+                let apart = (estimate.min - side.min).abs().max((estimate.max - side.max).abs()).xyz().max_element();
+                assert!(apart < 1e-5 && estimate.count == side.count, "{count}: {apart} m, {} and {}", estimate.count, side.count);
+            }
+        }
+    }
+}

@@ -4,6 +4,7 @@
 //! A [`Scene`] is plain data with indices between flat lists; nothing in it knows a renderer. Whatever an importer ignores or
 //! replaces is on [`Scene::ignored`], never dropped silently.
 
+pub mod adjacency;
 pub mod builtin;
 mod decode;
 mod emissive;
@@ -27,6 +28,7 @@ mod surface;
 mod test_assets;
 mod texture_lookup;
 
+pub use adjacency::Adjacency;
 pub use decode::decode_texture;
 pub use emissive::EmissiveMesh;
 pub use environment_file::{LoadedEnvironment, decode_environment, load_environment};

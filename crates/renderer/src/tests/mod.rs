@@ -8,6 +8,7 @@ mod lighting;
 mod model_twins;
 mod models;
 mod scenes;
+mod shadow_volumes;
 mod shadows;
 mod soft_shadows;
 mod textures;

@@ -1,0 +1,30 @@
+//! Shadow volumes by z-fail.
+
+use super::volume::{Count, READS, ShadowVolumes};
+use crate::{Needs, Role, Technique};
+use kajo_params::Params;
+
+/// The technique.
+pub const TECHNIQUE: Technique = Technique {
+    id: "shadow/volume-zfail",
+    role: Role::DirectVisibility,
+    title: "Shadow volumes, z-fail",
+    doc: include_str!("doc.md"),
+    cites: &["Crow77", "Heidmann91", "Everitt02", "Kim08"],
+    reads: READS,
+    needs: Needs::NONE,
+    params: Params::SPEC,
+    make: |context, values| {
+        let params = Params::from_values(values);
+        Ok(Box::new(ShadowVolumes::new(context, TECHNIQUE.id, Count::Behind, params.culling)?))
+    },
+};
+
+/// Its parameters.
+#[derive(Params, Clone, Copy, Debug)]
+pub struct Params {
+    /// Leaves out casters whose shadow lies beside the view, and counts nothing at pixels whose answer is known: no surface, or one turned away from the
+    /// light. The image is the same.
+    #[param(default = true)]
+    pub culling: bool,
+}

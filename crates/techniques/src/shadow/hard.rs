@@ -1,6 +1,6 @@
 //! Techniques that find the hard shadow of a point: what others run for many points of a light.
 
-use super::map;
+use super::{map, volume_zfail};
 use crate::{Error, Technique};
 use kajo_params::{ParamType, ParamValues, ScalarType, Value};
 
@@ -11,7 +11,10 @@ pub struct HardAlgorithm {
 }
 
 /// In the order of every list.
-const ALL: &[HardAlgorithm] = &[HardAlgorithm { technique: &map::TECHNIQUE, exact: &[("kernel", "0")] }];
+const ALL: &[HardAlgorithm] = &[
+    HardAlgorithm { technique: &map::TECHNIQUE, exact: &[("kernel", "0")] },
+    HardAlgorithm { technique: &volume_zfail::TECHNIQUE, exact: &[] },
+];
 
 const NAMES: &[&str] = &{
     let mut names = [""; ALL.len()];

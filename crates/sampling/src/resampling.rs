@@ -270,5 +270,11 @@ mod tests {
         reservoir.offer("bright", 2.0, 0.5, 0.999);
         assert_eq!((reservoir.sample(), reservoir.target()), (Some(&"bright"), 2.0));
         assert!((reservoir.contribution_weight() - 4.0 / (6.0 * 2.0)).abs() < 1e-7);
+        // So are those of another reservoir that found nothing.
+        let mut dark = Reservoir::new();
+        (0..3).for_each(|_| dark.offer("dark", 0.0, 1.0, 0.0));
+        reservoir.merge(&dark, 0.0, 0.0);
+        assert_eq!((reservoir.sample(), reservoir.count()), (Some(&"bright"), 9));
+        assert!((reservoir.contribution_weight() - 4.0 / (9.0 * 2.0)).abs() < 1e-7);
     }
 }

@@ -246,14 +246,17 @@ mod tests {
             let mut rng = Rng::new(seed);
             let mut one = || {
                 let corners = [(); 3].map(|()| uniform_sphere(rng.next_2d()) * 3.0 * rng.next_1d());
-                EmitterBounds::triangle(corners, rng.next_1d(), rng.next_1d() < 0.3)
+                let surface = EmitterBounds::triangle(corners, rng.next_1d(), rng.next_1d() < 0.3);
+                // As spots have it.
+                EmitterBounds { cos_emission: [0.0, 0.5, 0.9][rng.next_u32() as usize % 3], ..surface }
             };
             let (a, b, c) = (one(), one(), one());
             let all = a.union(&b).union(&c);
             prop_assert!([a, b, c].iter().all(|e| all.encloses(e)));
             prop_assert!((all.intensity - a.intensity - b.intensity - c.intensity).abs() < 1e-4);
             let higher = EmitterBounds { max: c.max + Vec3::Y * 7.0, ..c };
-            prop_assert!(!all.encloses(&higher));
+            let wider = EmitterBounds { cos_emission: all.cos_emission - 0.1, ..c };
+            prop_assert!(!all.encloses(&higher) && !all.encloses(&wider));
         }
 
         #[test]

@@ -46,27 +46,35 @@ fn placed_meshes_equal_brute_force_bit_for_bit() {
     }
 }
 
-/// Meshes far from their own origin and instances sheared by a stretch after a turn: rays are rounded on the way into their spaces, by more than the
-/// margins of a mesh allow for. They are aimed at the outlines of the boxes: at vertices.
+/// A cube far from its own origin, and one stretched after a turn: rays are rounded on the way into their spaces, by more than the margins of a mesh allow
+/// for. They are aimed at corners of cubes, beside corners of their boxes in the world.
 #[test]
 fn transforms_that_amplify_rounding_equal_brute_force() {
-    for (away, stretch) in [(0.0, 1.0), (3e4, 1.0), (0.0, 300.0), (1e4, 100.0)] {
+    let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5;
+    let quads = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+    let cube = TestMesh {
+        positions: (0..8).map(corner).collect(),
+        indices: quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+    };
+    for (away, stretch, distance) in [(0.0, 1.0, 8.0), (3e4, 1.0, 8.0), (0.0, 300.0, 3e3)] {
         let mut random = Random::new(31);
         let shift = Vec3::new(away, -0.5 * away, 0.25 * away);
-        let mesh = soup(12, 0.5, 32).map(|p| p - shift);
-        let instances: Vec<BvhInstance> = (0..12)
+        let mesh = cube.map(|p| p - shift);
+        let instances: Vec<BvhInstance> = (0..4)
             .map(|_| {
-                let turn = Affine3A::from_quat(Quat::from_axis_angle(random.sphere(), random.unit() * 6.0));
-                let sheared = Affine3A::from_scale(Vec3::new(stretch, 1.0, 1.0)) * turn;
-                BvhInstance::new(0, Affine3A::from_translation(random.cube() * 4.0) * sheared * Affine3A::from_translation(shift))
+                let turn = if away == 0.0 { Affine3A::from_rotation_z(random.unit() * 6.0) } else { Affine3A::IDENTITY };
+                let stretched = Affine3A::from_scale(Vec3::new(stretch, 1.0, 1.0)) * turn * Affine3A::from_translation(shift);
+                // Translations have a margin of their own.
+                let place = if stretch == 1.0 { random.cube() * 4.0 } else { Vec3::ZERO };
+                BvhInstance::new(0, Affine3A::from_translation(place) * stretched)
             })
             .collect();
         let tlas = Tlas::build(vec![Arc::new(mesh.blas())], instances.clone()).unwrap();
         let mut hits = 0;
         for _ in 0..20_000 {
             let instance = instances[random.bits() as usize % instances.len()].world_from_object;
-            let target = instance.transform_point3(mesh.positions[random.bits() as usize % mesh.positions.len()]);
-            let origin = random.cube() * 8.0 * Vec3::new(stretch, 1.0, 1.0);
+            let target = instance.transform_point3(mesh.positions[random.bits() as usize % 8]) + random.cube() * 2e-4 * stretch;
+            let origin = random.sphere() * Vec3::new(8.0, distance, distance);
             let ray = Ray::new(origin, target - origin);
             let expected = tlas.closest_hit_brute_force(&ray, Filter::ALL, |_| true);
             same(expected, tlas.closest_hit_opaque(&ray, Filter::ALL)).unwrap_or_else(|e| panic!("{away} {stretch} {ray:?}: {e}"));

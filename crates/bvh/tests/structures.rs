@@ -400,6 +400,9 @@ fn a_mesh_that_grows_out_of_a_point_should_be_built_anew() {
     assert!(at_rest.degradation() == 1.0 && !at_rest.suggests_rebuild());
     let grown = blas.update(&Geometry::triangles(&mesh.positions, &mesh.indices)).unwrap();
     assert!(grown.suggests_rebuild(), "{grown:?}");
+    // Half as much work again is the limit.
+    let by = |cost| kajo_bvh::UpdateReport { built_cost: 2.0, cost };
+    assert!(!by(3.0).suggests_rebuild() && by(3.01).suggests_rebuild() && by(1.0).degradation() == 0.5);
 }
 
 #[test]

@@ -41,3 +41,35 @@ impl BinaryTree {
         tree.optimized(effort, MAX_DEPTH)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aabb::Aabb;
+
+    fn depth(tree: &BinaryTree, node: usize) -> usize {
+        match tree.nodes[node].leaf() {
+            Some(_) => 1,
+            None => 1 + tree.nodes[node].children().map(|child| depth(tree, child)).into_iter().max().unwrap_or(0),
+        }
+    }
+
+    /// Boxes over all magnitudes of numbers, each twice as large and as far as the one before: the cheapest plane cuts off one or two of many.
+    #[test]
+    fn no_tree_is_deeper_than_the_stack_allows() {
+        for copies in [1, 40] {
+            let items: Vec<Item> = (0..180 * copies)
+                .map(|i| {
+                    let size = 2.0f32.powi((i / copies) as i32 - 122);
+                    Item::new(&Aabb { min: Vec3::splat(size), max: Vec3::splat(1.5 * size) }, i)
+                })
+                .collect();
+            for quality in BuildQuality::ALL {
+                let sah = Sah { max_leaf_size: 1, bins: 2, ..Sah::default() };
+                let tree = BinaryTree::with_options(items.clone(), 1, &BuildOptions { sah, ..BuildOptions::of(quality) }, |_| None);
+                let depth = depth(&tree, 0);
+                assert!((40..=MAX_DEPTH).contains(&depth) || quality == BuildQuality::Fast && depth <= MAX_DEPTH, "{quality:?}: {depth}");
+            }
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{json, succeed};
+use common::{json, run, succeed};
 
 const SMALL: [&str; 4] = ["render", "builtin:cornell", "--size", "32x32"];
 
@@ -72,6 +72,20 @@ fn every_layer_is_in_one_file() {
         assert!(file.layer(layer).is_some(), "no layer `{layer}`");
     }
     assert!(file.metadata["command"].contains("builtin:cornell"), "{:?}", file.metadata);
+}
+
+/// A picture whose brightness no denoiser can judge, for its variance leaves the range of numbers: the samples are kept.
+#[test]
+fn a_picture_that_cannot_be_denoised_is_written_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "[[asset]]\nfile = \"builtin:spheres\"\n[environment]\nradiance = 1e38\n";
+    std::fs::write(folder.path().join("bright.kajo.toml"), scene).unwrap();
+    let words = ["render", "bright.kajo.toml", "--size", "16x16", "--spp", "64", "--max-depth", "1", "--denoise", "-o", "bright.exr"];
+    let output = run(folder.path(), &words);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && stderr.contains("it holds the noisy picture"), "{stderr}");
+    let file = kajo_image::ExrFile::read(&folder.path().join("bright.exr")).unwrap();
+    assert!(file.layer("").is_some() && file.layer("noisy").is_none());
 }
 
 #[test]

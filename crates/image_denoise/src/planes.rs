@@ -12,10 +12,11 @@ pub(crate) struct Planes {
 }
 
 impl Planes {
-    /// `size` is padded to multiples of `tile`, and `border` px stand around that.
-    pub(crate) fn new(size: UVec2, border: usize, tile: UVec2) -> Self {
+    /// Room for `count` planes. `size` is padded to multiples of `tile`, and `border` px stand around that.
+    pub(crate) fn new(size: UVec2, border: usize, tile: UVec2, count: usize) -> Self {
         let padded = ((size + tile - 1) / tile * tile).as_usizevec2() + 2 * border;
-        Self { size, border, stride: padded.x, rows: padded.y, data: Vec::new() }
+        let data = Vec::with_capacity(padded.element_product() * count);
+        Self { size, border, stride: padded.x, rows: padded.y, data }
     }
 
     /// Number of planes.
@@ -26,14 +27,12 @@ impl Planes {
     /// Adds a plane.
     pub(crate) fn push(&mut self, value: impl Fn(u32, u32) -> f32) {
         let last = self.size - 1;
-        self.data.reserve(self.stride * self.rows);
         for row in 0..self.rows {
             let y = row.saturating_sub(self.border).min(last.y as usize) as u32;
             let begin = self.data.len();
+            self.data.resize(begin + self.border, value(0, y));
             self.data.extend((0..self.size.x).map(|x| value(x, y)));
-            let (first, end) = (self.data[begin], self.data[begin + last.x as usize]);
-            self.data.splice(begin..begin, std::iter::repeat_n(first, self.border));
-            self.data.resize(begin + self.stride, end);
+            self.data.resize(begin + self.stride, value(last.x, y));
         }
     }
 

@@ -50,6 +50,24 @@ pub(crate) fn filter(planes: &Planes, tile: Tile) -> Vec<LinearRgb> {
     filter_portable(planes, tile)
 }
 
+/// [`filter`] by every path that this processor has.
+#[cfg(test)]
+pub(crate) fn by_every_path(planes: &Planes, tile: Tile) -> Vec<(&'static str, Vec<LinearRgb>)> {
+    let mut all = vec![("portable", filter_portable(planes, tile))];
+    #[cfg(target_arch = "x86_64")]
+    {
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has it.
+            all.push(("AVX2", unsafe { filter_avx2(planes, tile) }));
+        }
+        if is_x86_feature_detected!("avx512f") {
+            // SAFETY: the processor has it.
+            all.push(("AVX-512", unsafe { filter_avx512(planes, tile) }));
+        }
+    }
+    all
+}
+
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f")]
 fn filter_avx512(planes: &Planes, tile: Tile) -> Vec<LinearRgb> {
@@ -63,7 +81,7 @@ fn filter_avx2(planes: &Planes, tile: Tile) -> Vec<LinearRgb> {
 }
 
 #[inline(always)]
-pub(crate) fn filter_portable(planes: &Planes, tile: Tile) -> Vec<LinearRgb> {
+fn filter_portable(planes: &Planes, tile: Tile) -> Vec<LinearRgb> {
     let mut scratch = Scratch::new();
     let mut weights = vec![0.0; DIAMETER * Tile::PIXELS];
     let mut sums = vec![Sums::ZERO; Tile::PIXELS / LANES];

@@ -9,7 +9,7 @@ use kajo_units::LinearRgb;
 use std::time::Instant;
 
 /// What the denoiser knows of a pixel besides its colour.
-const FEATURES: [Aov; 4] = [Aov::Emission, Aov::Albedo, Aov::ShadingNormal, Aov::Depth];
+const FEATURES: [Aov; 5] = [Aov::Emission, Aov::Coverage, Aov::Albedo, Aov::ShadingNormal, Aov::Depth];
 
 /// A picture without noise, and the time that took.
 pub struct Denoised {
@@ -45,11 +45,16 @@ pub fn with_features(wanted: &[Aov]) -> Vec<Aov> {
 pub fn run(frame: &Frame) -> Outcome<Denoised> {
     let begin = Instant::now();
     let feature = |aov: &Aov| frame.image(&aov.to_string()).map(|image| &image.pixels);
-    let [Some(Pixels::Color(emission)), Some(Pixels::Color(albedo)), Some(Pixels::Vector(normal)), Some(Pixels::Scalar(depth))] =
-        FEATURES.each_ref().map(feature)
+    let [
+        Some(Pixels::Color(emission)),
+        Some(Pixels::Scalar(coverage)),
+        Some(Pixels::Color(albedo)),
+        Some(Pixels::Vector(normal)),
+        Some(Pixels::Scalar(depth)),
+    ] = FEATURES.each_ref().map(feature)
     else {
         return Err(Failure::run("the rendering lacks the images that denoising needs"));
     };
-    let input = Input { color: frame.beauty(), emission, variance: frame.beauty_variance(), albedo, normal, depth };
+    let input = Input { color: frame.beauty(), emission, variance: frame.beauty_variance(), coverage, albedo, normal, depth };
     Ok(Denoised { image: denoise(&input)?, seconds: begin.elapsed().as_secs_f64() })
 }

@@ -59,7 +59,7 @@ fn check(arguments: &Render) -> Outcome {
     denoise::check(arguments)?;
     if arguments.adaptive && tracing.sampler == Some(SamplerChoice::BlueNoise) {
         return Err(Failure::usage(
-            "--adaptive needs pixels whose random numbers are independent, which blue noise has not; remove one of them",
+            "--adaptive needs pixels whose random numbers are independent, which blue noise does not have; remove one of them",
         ));
     }
     let outputs: Vec<&PathBuf> = std::iter::once(&arguments.output).chain(&arguments.stats).chain(&arguments.checkpoint).collect();

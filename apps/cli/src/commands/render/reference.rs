@@ -48,7 +48,12 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     }
 
     let frame = film.develop();
-    let denoised = arguments.denoise.then(|| in_pool(arguments.tracing.threads, || denoise::run(&frame))?).transpose()?;
+    // A picture that cannot be denoised is written as it is before the command fails.
+    let (denoised, refused) = match arguments.denoise.then(|| in_pool(arguments.tracing.threads, || denoise::run(&frame))).transpose()? {
+        Some(Ok(denoised)) => (Some(denoised), None),
+        Some(Err(failure)) => (None, Some(failure)),
+        None => (None, None),
+    };
     let stats = stats(arguments, &frame, build_seconds, tracer.bvh_bytes(), denoised.as_ref().map(|denoised| denoised.seconds));
     let mut metadata = provenance();
     metadata.extend(stats.as_object().into_iter().flatten().map(|(key, value)| (key.clone(), value.to_string())));
@@ -62,7 +67,12 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     if progress::interrupted() {
         return Err(Failure::run(format!("interrupted at {} samples per pixel; {} holds what was rendered", frame.spp, output.display())));
     }
-    Ok(())
+    match refused {
+        Some(Failure::Run(error) | Failure::Usage(error)) => {
+            Err(Failure::Run(error.context(format!("{} was not denoised: it holds the noisy picture", output.display()))))
+        }
+        None => Ok(()),
+    }
 }
 
 /// An image that does not exist is wrong usage.

@@ -33,9 +33,22 @@ fn a_reference_is_what_the_error_is_measured_against() {
     assert!((scatter / error - 1.0).abs() < 0.2, "{scatter} {error}");
     succeed(folder.path(), &["render", "builtin:cornell", "--size", "32x32", "--spp", "64", "--max-depth", "0", "-o", "lamp.exr"]);
     assert!(relative(&["--reference", "lamp.exr"]) > 3.0 * scatter);
-    // Another size is an error of the file, not a crash.
-    let output = run(folder.path(), &["bench", "render", "builtin:cornell", "--size", "16x16", "--reference", "truth.exr"]);
-    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+    // Another size is found before anything is rendered.
+    let words = ["bench", "render", "builtin:cornell", "--size", "16x16", "--reference", "truth.exr", "--spp", "1000000"];
+    let output = run(folder.path(), &words);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && stderr.contains("the reference has 32x32 px"), "{stderr}");
+}
+
+/// The table of what was finished stays when a later scene fails.
+#[test]
+fn finished_rows_are_printed_when_a_later_scene_fails() {
+    let words = ["bench", "render", "builtin:furnace", "builtin:nothing", "--size", "8x8", "--spp", "1"];
+    let output = kajo(Path::new(".")).args(words).output().unwrap();
+    let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.code() == Some(2) && stderr.contains("builtin:nothing"), "{stderr}");
+    let head: Vec<_> = stdout.lines().next().unwrap_or_default().split("  ").map(str::trim).filter(|word| !word.is_empty()).collect();
+    assert!(head.contains(&"MSE") && head.contains(&"invalid") && stdout.contains("builtin:furnace"), "{stdout}");
 }
 
 #[test]
@@ -74,18 +87,21 @@ fn a_tree_of_lights_leaves_less_than_a_quarter_of_the_error_of_uniform_choice() 
 
 #[test]
 fn words_that_make_no_benchmark_are_refused_with_a_reason() {
-    for (words, says) in [
-        (&["builtin:cornell", "--repeat", "1"][..], "raise --repeat"),
-        (&["--reference", "x.exr"], "cannot"),
-        (&["--study", "lights", "builtin:cornell"], "leave the scene out"),
-        (&["--study", "threads", "--threads", "2"], "leave --threads out"),
-        (&["--study", "resolution", "--size", "8x8"], "leave --size out"),
-        (&["builtin:nothing"], "builtin:nothing"),
-        (&["--size", "0x0"], "1 to 16384"),
+    for (words, code, says) in [
+        (&["builtin:cornell", "--repeat", "1"][..], 2, "raise --repeat"),
+        (&["builtin:cornell", "--reference", "x.exr"], 1, "x.exr"),
+        (&["builtin:cornell", "--reference", "x.png"], 2, ".exr and .hdr"),
+        (&["--reference", "x.exr"], 2, "name that scene alone"),
+        (&["--profile", "full"], 2, "add --study"),
+        (&["--study", "lights", "builtin:cornell"], 2, "leave the scene out"),
+        (&["--study", "threads", "--threads", "2"], 2, "leave --threads out"),
+        (&["--study", "resolution", "--size", "8x8"], 2, "leave --size out"),
+        (&["builtin:nothing"], 2, "builtin:nothing"),
+        (&["--size", "0x0"], 2, "1 to 16384"),
     ] {
         let output = kajo(Path::new(".")).args(["bench", "render"]).args(words).output().unwrap();
         let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(matches!(output.status.code(), Some(1 | 2)) && stderr.contains(says), "{words:?}: {stderr}");
+        assert!(output.status.code() == Some(code) && stderr.contains(says), "{words:?}: {stderr}");
         assert!(output.stdout.is_empty(), "{words:?}");
     }
 }

@@ -6,7 +6,7 @@
 use crate::LabError;
 use cpu_time::ProcessTime;
 use kajo_image::Image;
-use kajo_image_metrics::{MetricsError, REL_MSE_EPSILON, mse, rel_mse};
+use kajo_image_metrics::{MetricsError, mse, rel_mse, scatter};
 use kajo_path_tracer::{Control, Settings, Stop, Tracer, render};
 use kajo_units::LinearRgb;
 
@@ -73,7 +73,7 @@ pub fn render_cost(
     let failed = |source| LabError::Metrics { what: "the benchmark".into(), source };
     let (mse, rel_mse) = match reference {
         Some(reference) => errors(&takes, reference),
-        None => scatter(&takes),
+        None => scatter(&takes).map(|scatter| (scatter.variance, scatter.relative)),
     }
     .map_err(failed)?;
     let per_take = |count: u64| count as f64 / f64::from(repeat);
@@ -104,33 +104,14 @@ fn errors(takes: &[Image<LinearRgb>], reference: &Image<LinearRgb>) -> Result<(f
     Ok((sum.0 / n, sum.1 / n))
 }
 
-/// Unbiased variance of one take over the takes, s² = Σ (x − x̄)² / (K − 1), as a mean over pixels and channels, and of s² / (x̄² + ε).
-fn scatter(takes: &[Image<LinearRgb>]) -> Result<(f64, f64), MetricsError> {
-    if takes.len() < 2 {
-        return Err(MetricsError::TooFewRepeats { got: takes.len() });
-    }
-    let k = takes.len() as f64;
-    let (mut sum, mut relative) = (0.0, 0.0);
-    let pixels = takes[0].pixels().len();
-    for i in 0..pixels {
-        for c in 0..3 {
-            let values = takes.iter().map(|take| f64::from(take.pixels()[i][c]));
-            let mean = values.clone().sum::<f64>() / k;
-            let variance = values.map(|v| (v - mean).powi(2)).sum::<f64>() / (k - 1.0);
-            sum += variance;
-            relative += variance / (mean * mean + REL_MSE_EPSILON);
-        }
-    }
-    let n = (3 * pixels) as f64;
-    Ok((sum / n, relative / n))
-}
-
 /// The exponent b of y = a xᵇ by least squares over (ln x, ln y): 1 for cost in proportion, 0 for none, 0.5 for the square root.
 ///
 /// `None` for fewer than two different x, or a number that has no logarithm.
 pub fn exponent(points: &[(f64, f64)]) -> Option<f64> {
     let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
-    if logs.iter().any(|(x, y)| !x.is_finite() || !y.is_finite()) {
+    // The variance of equal numbers is rounding, not 0.
+    let differ = logs.windows(2).any(|pair| pair[0].0 != pair[1].0);
+    if !differ || logs.iter().any(|(x, y)| !x.is_finite() || !y.is_finite()) {
         return None;
     }
     let n = logs.len() as f64;
@@ -140,7 +121,7 @@ pub fn exponent(points: &[(f64, f64)]) -> Option<f64> {
         covariance += (x - mean.0) * (y - mean.1);
         variance += (x - mean.0) * (x - mean.0);
     }
-    (variance > 0.0).then(|| covariance / variance)
+    Some(covariance / variance)
 }
 
 #[cfg(test)]
@@ -169,14 +150,10 @@ mod tests {
         let mut rng = Rng::new(5);
         let mut uniform = || (rng.next_1d() - 0.5) * 0.1 * 12f32.sqrt();
         let takes: Vec<_> = (0..4).map(|_| truth.map(|p| *p + LinearRgb::new(uniform(), uniform(), uniform()))).collect();
-        let (variance, relative) = scatter(&takes).unwrap();
-        assert!((variance / 0.01 - 1.0).abs() < 0.03, "{variance}");
-        assert!((relative / (0.01 / 0.26) - 1.0).abs() < 0.06, "{relative}");
+        assert!((scatter(&takes).unwrap().variance / 0.01 - 1.0).abs() < 0.03);
         assert!((errors(&takes, &truth).unwrap().0 / 0.01 - 1.0).abs() < 0.03);
         let brighter = truth.map(|p| *p + LinearRgb::splat(0.1));
         assert!((errors(&takes, &brighter).unwrap().0 / 0.02 - 1.0).abs() < 0.03);
-        assert_eq!(scatter(&takes).unwrap(), scatter(&takes.iter().map(|t| t.map(|p| *p)).collect::<Vec<_>>()).unwrap());
-        assert!(matches!(scatter(&takes[..1]), Err(MetricsError::TooFewRepeats { got: 1 })));
     }
 
     /// On a real rendering the scatter of the seeds is the error against a far better picture; four times the samples have a quarter of it.
@@ -202,6 +179,7 @@ mod tests {
             assert!((exponent(&power(b)).unwrap() - b).abs() < 1e-12, "{b}");
         }
         assert_eq!(exponent(&[(1.0, 2.0)]), None);
+        assert_eq!(exponent(&[(5.0, 1.0), (5.0, 2.0), (5.0, 9.0)]), None);
         assert_eq!(exponent(&[(1.0, 2.0), (2.0, 0.0)]), None);
         assert_eq!(exponent(&[]), None);
     }

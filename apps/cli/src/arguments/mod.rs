@@ -100,10 +100,10 @@ pub struct Render {
     /// Stop when the relative standard error of the image is below this
     #[arg(long, value_name = "RELERR", group = "stop", allow_negative_numbers = true, value_parser = positive)]
     pub noise: Option<f64>,
-    /// Put samples where noise is, --spp being their mean; stays unbiased. --aov samples shows where they went
+    /// After 16 samples a pixel, put more where noise is, --spp being their mean; stays unbiased. --aov samples shows where they went
     #[arg(long)]
     pub adaptive: bool,
-    /// Take the noise out of the picture, for previews: biased, so never judge by it. An .exr keeps the noisy one as layer `noisy`
+    /// Take the noise out of reflected light, for previews: biased, so never judge by it. An .exr keeps the noisy picture as layer `noisy`
     #[arg(long)]
     pub denoise: bool,
     /// Camera, environment, time and animation
@@ -278,7 +278,7 @@ pub struct BenchRender {
     /// Pictures with different seeds; the fastest counts, and their scatter is the error
     #[arg(long, value_name = "N", default_value = "4", allow_negative_numbers = true, value_parser = whole(1..=1000u32))]
     pub repeat: u32,
-    /// Measure the error against this picture (.exr, .hdr) instead, e.g. by `kajo render` with the same settings and thousands of samples
+    /// Measure the error against this picture (.exr, .hdr) instead, e.g. by `kajo render` with the same settings, another --seed and thousands of samples
     #[arg(long, value_name = "FILE")]
     pub reference: Option<PathBuf>,
     /// Camera, environment, time and animation
@@ -304,13 +304,8 @@ pub enum Study {
 
 impl Study {
     /// As it is written on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Triangles => "triangles",
-            Self::Lights => "lights",
-            Self::Threads => "threads",
-            Self::Resolution => "resolution",
-        }
+    pub fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 }
 

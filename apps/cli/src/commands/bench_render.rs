@@ -9,8 +9,9 @@ use kajo_image::{Image, read_image};
 use kajo_lab::render_cost::{RenderCost, exponent, render_cost};
 use kajo_path_tracer::Progress;
 use kajo_units::LinearRgb;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::time::Instant;
 
 /// Side of the picture when none is given: a minute for the suite, and rows enough for every thread.
@@ -27,38 +28,62 @@ struct Case {
 }
 
 /// One measured picture.
+#[derive(serde::Serialize)]
 struct Row {
     scene: String,
     triangles: u64,
+    /// Analytic lights and emissive meshes.
     lights: usize,
     threads: usize,
     build_seconds: f64,
+    #[serde(flatten)]
     cost: RenderCost,
 }
 
-/// Renders and times every case.
+/// Renders and times every case. What is finished when one fails, or Ctrl-C ends it, is printed all the same.
 pub fn run(common: &Common, arguments: &BenchRender) -> Outcome {
-    let reference = arguments.reference.as_deref().map(read_image).transpose()?;
     check(arguments)?;
-    let cases = cases(arguments, reference.as_ref().map(Image::size));
+    let reference = arguments.reference.as_deref().map(read_image).transpose()?;
+    let cases = cases(arguments, reference.as_ref().map(Image::size))?;
     let bar = progress::bar(common.quiet, "rendering");
-    let mut rows = Vec::new();
+    let (mut rows, mut outcome) = (Vec::new(), Ok(()));
     for (index, case) in cases.iter().enumerate() {
         bar.set_message(case.scene.clone());
         bar.set_position((1000 * index / cases.len()) as u64);
-        rows.push(measure(arguments, case, reference.as_ref())?);
+        match measure(arguments, case, reference.as_ref()) {
+            Ok(row) => rows.push(row),
+            Err(failure) => {
+                outcome = Err(failure);
+                break;
+            }
+        }
     }
     bar.finish_and_clear();
-    let growth = arguments.study.map(|study| Growth::of(study, &rows));
+    if !rows.is_empty() {
+        print(common, arguments, &rows)?;
+    }
+    outcome
+}
+
+fn print(common: &Common, arguments: &BenchRender, rows: &[Row]) -> Outcome {
+    let growth = arguments.study.map(|study| Growth::of(study, rows));
     if common.json {
-        let rows: Vec<Value> = rows.iter().map(as_json).collect();
-        let error_is = if reference.is_some() { "against the reference" } else { "scatter of the seeds" };
+        let error_is = if arguments.reference.is_some() { "against the reference" } else { "scatter of the seeds" };
         return output::json(&json!({ "study": arguments.study.map(Study::name), "error": error_is, "runs": rows, "growth": growth }));
     }
-    output::text(&as_text(&rows, growth.as_ref()))
+    output::text(&as_text(rows, growth.as_ref()))
 }
 
 fn check(arguments: &BenchRender) -> Outcome {
+    if arguments.profile == Profile::Full && arguments.study.is_none() {
+        return Err(Failure::usage("--profile says how far a study goes; add --study, or leave --profile out"));
+    }
+    let holds_light =
+        |path: &Path| path.extension().is_some_and(|ending| ["exr", "hdr"].iter().any(|known| ending.eq_ignore_ascii_case(known)));
+    if let Some(path) = arguments.reference.as_deref().filter(|path| !holds_light(path)) {
+        let path = path.display();
+        return Err(Failure::usage(format!("--reference {path} has no light in linear units, which .exr and .hdr have; render it to one")));
+    }
     if arguments.repeat < 2 && arguments.reference.is_none() {
         return Err(Failure::usage("the scatter of one picture says nothing; raise --repeat or give a --reference"));
     }
@@ -80,9 +105,12 @@ fn check(arguments: &BenchRender) -> Outcome {
 }
 
 /// What to render: the scenes, or the steps of the study for each of them.
-fn cases(arguments: &BenchRender, reference: Option<UVec2>) -> Vec<Case> {
+fn cases(arguments: &BenchRender, reference: Option<UVec2>) -> Outcome<Vec<Case>> {
     let full = arguments.profile == Profile::Full;
     let size = arguments.size.map(|size| size.0).or(reference).unwrap_or(UVec2::splat(SIDE));
+    if let Some(of) = reference.filter(|&of| of != size) {
+        return Err(Failure::usage(format!("--size {}x{}, but the reference has {}x{} px; leave --size out", size.x, size.y, of.x, of.y)));
+    }
     let threads = arguments.tracing.threads;
     let given = |default: &[&str]| match &arguments.scenes[..] {
         [] => default.iter().map(ToString::to_string).collect(),
@@ -91,7 +119,7 @@ fn cases(arguments: &BenchRender, reference: Option<UVec2>) -> Vec<Case> {
     let counted = |name: &str, first: u32, last: u32| -> Vec<Case> {
         powers_of_ten(first, last).map(|n| Case { scene: format!("builtin:{name}:{n}"), size, threads }).collect()
     };
-    match arguments.study {
+    Ok(match arguments.study {
         None => given(&SUITE).into_iter().map(|scene| Case { scene, size, threads }).collect(),
         Some(Study::Triangles) => counted("terrain", 1000, if full { 10_000_000 } else { 100_000 }),
         Some(Study::Lights) => counted("many-lights", 1, if full { 100_000 } else { 1000 }),
@@ -108,7 +136,7 @@ fn cases(arguments: &BenchRender, reference: Option<UVec2>) -> Vec<Case> {
             };
             given(&SUITE[..1]).into_iter().flat_map(steps).collect()
         }
-    }
+    })
 }
 
 /// `first`, 10 `first`, 100 `first` … `last`.
@@ -127,34 +155,27 @@ fn measure(arguments: &BenchRender, case: &Case, reference: Option<&Image<Linear
     let (snapshot, camera) = view::snapshot(&scene, &arguments.view, arguments.view.frame)?;
     let settings = path_tracing::settings(&arguments.tracing, case.size, camera, arguments.spp);
     let control = |_: &Progress| if progress::interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    let (threads, build_seconds, cost) = in_pool(case.threads, || -> Outcome<_> {
+    let (lights, threads, build_seconds, cost) = in_pool(case.threads, || -> Outcome<_> {
         let start = Instant::now();
         let tracer = path_tracing::tracer(&scene, snapshot, &arguments.tracing)?;
         let build_seconds = start.elapsed().as_secs_f64();
         let cost = render_cost(&tracer, &settings, arguments.spp, arguments.repeat, reference, &control)?;
-        Ok((rayon::current_num_threads(), build_seconds, cost))
+        Ok((tracer.visibility_light_names().count(), rayon::current_num_threads(), build_seconds, cost))
     })??;
-    let cost = cost.ok_or_else(|| Failure::run(format!("interrupted while {} was timed; nothing was measured", case.scene)))?;
-    Ok(Row {
-        scene: case.scene.clone(),
-        triangles: summary.placed_triangles as u64,
-        lights: summary.lights.len(),
-        threads,
-        build_seconds,
-        cost,
-    })
+    let cost = cost.ok_or_else(|| Failure::run(format!("interrupted while {} was timed", case.scene)))?;
+    Ok(Row { scene: case.scene.clone(), triangles: summary.placed_triangles as u64, lights, threads, build_seconds, cost })
 }
 
 /// How cost grows with what a study varies: exponents of the power law that fits best.
 #[derive(serde::Serialize)]
 struct Growth {
     /// Triangles, lights, threads or pixels.
-    with: &'static str,
+    with: String,
     /// Of the time of a picture.
     seconds: Option<f64>,
     /// Of the time to build the tracer.
     build_seconds: Option<f64>,
-    /// Of time × relative MSE, the inverse of efficiency.
+    /// Of time × relative MSE: the time to a picture of one relative error.
     work: Option<f64>,
 }
 
@@ -168,7 +189,7 @@ impl Growth {
         };
         let fit = |y: fn(&Row) -> f64| exponent(&rows.iter().map(|row| (x(row), y(row))).collect::<Vec<_>>());
         Self {
-            with: if study == Study::Resolution { "pixels" } else { study.name() },
+            with: if study == Study::Resolution { "pixels".into() } else { study.name() },
             seconds: fit(|row| row.cost.seconds),
             build_seconds: fit(|row| row.build_seconds),
             work: fit(|row| row.cost.seconds * row.cost.rel_mse),
@@ -176,17 +197,9 @@ impl Growth {
     }
 }
 
-fn as_json(row: &Row) -> Value {
-    let mut value = json!({
-        "scene": row.scene, "triangles": row.triangles, "lights": row.lights, "threads": row.threads, "build_seconds": row.build_seconds,
-    });
-    let cost = json!(row.cost);
-    value.as_object_mut().into_iter().for_each(|object| object.extend(cost.as_object().cloned().into_iter().flatten()));
-    value
-}
-
 fn as_text(rows: &[Row], growth: Option<&Growth>) -> String {
-    let head = ["scene", "size", "threads", "triangles", "build s", "s", "Msamples/s", "Mrays/s", "rel. MSE", "1/(s MSE)"];
+    let head =
+        ["scene", "size", "threads", "triangles", "build s", "s", "Msamples/s", "Mrays/s", "rel. MSE", "MSE", "1/(s MSE)", "invalid"];
     let cells = |row: &Row| {
         let cost = &row.cost;
         vec![
@@ -199,14 +212,16 @@ fn as_text(rows: &[Row], growth: Option<&Growth>) -> String {
             format!("{:.3}", cost.samples_per_s / 1e6),
             format!("{:.3}", cost.rays_per_s / 1e6),
             format!("{:.3e}", cost.rel_mse),
+            format!("{:.3e}", cost.mse),
             format!("{:.3e}", cost.efficiency),
+            cost.invalid_samples.to_string(),
         ]
     };
     let table = output::table(&head, &rows.iter().map(cells).collect::<Vec<_>>());
     let line = |name: &str, with: &str, exponent: Option<f64>| exponent.map(|b| format!("{name} grows as {with}^{b:.2}\n"));
     let growth = growth.map(|growth| {
         let lines = [("time", growth.seconds), ("build time", growth.build_seconds), ("time x relative MSE", growth.work)];
-        lines.into_iter().filter_map(|(name, exponent)| line(name, growth.with, exponent)).collect::<String>()
+        lines.into_iter().filter_map(|(name, exponent)| line(name, &growth.with, exponent)).collect::<String>()
     });
     table + &growth.unwrap_or_default()
 }

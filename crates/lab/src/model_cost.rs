@@ -62,6 +62,9 @@ pub struct ModelCost {
 ///
 /// # Errors
 /// A device that fails.
+///
+/// # Panics
+/// For another number of pairs.
 pub fn time_model(
     device: &Device,
     entry: &'static ModelEntry,

@@ -3,7 +3,7 @@
 use super::clean;
 use crate::Steps;
 use crate::bits::ONE_MINUS_EPSILON;
-use glam::{UVec2, Vec2};
+use glam::Vec2;
 
 /// A density on [0, 1) that is constant in each of n equal cells.
 #[derive(Clone, Debug)]
@@ -139,21 +139,6 @@ impl Piecewise2d {
         Vec2::new(self.rows[self.marginal.cell(p.y)].inverse(p.x), self.marginal.inverse(p.y))
     }
 
-    /// Mean of the values.
-    pub fn mean(&self) -> f32 {
-        self.marginal.mean()
-    }
-
-    /// True when all values are zero and the density is uniform.
-    pub fn is_zero(&self) -> bool {
-        self.marginal.is_zero()
-    }
-
-    /// Width and height in cells.
-    pub fn size(&self) -> UVec2 {
-        UVec2::new(self.rows[0].len() as u32, self.rows.len() as u32)
-    }
-
     /// Memory of the tables, bytes.
     pub fn bytes(&self) -> usize {
         self.rows.iter().chain([&self.marginal]).map(|row| size_of_val(row.cdf.as_slice()) + size_of_val(row.density.as_slice())).sum()
@@ -200,13 +185,12 @@ mod tests {
         let d = Piecewise2d::new(&VALUES, 4, 3).unwrap();
         let sum: f32 = (0..12).map(|i| d.pdf(Vec2::new(((i % 4) as f32 + 0.5) / 4.0, ((i / 4) as f32 + 0.5) / 3.0))).sum();
         assert!((sum / 12.0 - 1.0).abs() < 1e-6);
-        assert!((d.mean() - VALUES.iter().sum::<f32>() / 12.0).abs() < 1e-6);
+        assert!((d.marginal.mean() - VALUES.iter().sum::<f32>() / 12.0).abs() < 1e-6);
         let mut rng = Rng::new(42);
         for _ in 0..10_000 {
             let u = rng.next_2d();
             assert!(d.inverse(d.sample(u).0).abs_diff_eq(u, 1e-5));
         }
-        assert_eq!(d.size(), UVec2::new(4, 3));
     }
 
     #[test]
@@ -235,7 +219,6 @@ mod tests {
     #[test]
     fn all_zero_is_uniform_and_bad_input_is_handled() {
         let d = Piecewise2d::new(&[0.0; 6], 3, 2).unwrap();
-        assert!(d.is_zero());
         assert_eq!(d.pdf(Vec2::splat(0.5)), 1.0);
         assert!(d.sample(Vec2::new(0.25, 0.75)).0.abs_diff_eq(Vec2::new(0.25, 0.75), 1e-6));
         assert!(Piecewise1d::new(&[]).is_none() && Piecewise2d::new(&[1.0], 0, 1).is_none() && Piecewise2d::new(&[1.0], 2, 2).is_none());

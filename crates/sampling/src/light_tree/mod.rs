@@ -94,11 +94,6 @@ impl LightTree {
         &self.emitters
     }
 
-    /// Memory, bytes.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.clusters[..]) + size_of_val(&self.slots[..]) + size_of_val(&self.emitters[..])
-    }
-
     /// An emitter for `receiver`; `u` is a uniform number in [0, 1). `None` where no light can arrive.
     #[inline]
     pub fn sample(&self, receiver: &Receiver, u: f64) -> Option<LightChoice> {

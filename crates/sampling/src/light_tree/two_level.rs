@@ -4,7 +4,6 @@ use super::bounds::{EmitterBounds, is_similarity};
 use super::importance::Receiver;
 use super::{LightTree, Rebuild};
 use glam::Affine3A;
-use std::collections::HashSet;
 use std::sync::Arc;
 
 /// What the upper tree holds.
@@ -138,15 +137,5 @@ impl TwoLevelTree {
             }
             _ => upper,
         }
-    }
-
-    /// Memory, bytes; a shared tree counts once.
-    pub fn bytes(&self) -> usize {
-        let mut known = HashSet::new();
-        let tree = |placed: &Placed| match &placed.entry {
-            Entry::Object { tree, .. } if known.insert(Arc::as_ptr(tree)) => tree.bytes(),
-            _ => 0,
-        };
-        self.top.bytes() + size_of_val(&self.entries[..]) + self.entries.iter().map(tree).sum::<usize>()
     }
 }

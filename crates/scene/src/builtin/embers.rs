@@ -67,3 +67,25 @@ fn whirl(numbers: impl Iterator<Item = u32>, side: f32) -> Mesh {
     }
     mesh
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn embers_of_any_number_stay_clear_of_the_columns() {
+        for embers in [1, 25, 100, 200, 1000] {
+            let scene = make(embers);
+            let whirls = scene.nodes.iter().filter(|node| node.name.starts_with("embers")).flat_map(|node| &node.meshes);
+            let meshes: Vec<&Mesh> = whirls.map(|&mesh| &*scene.meshes[mesh]).collect();
+            assert_eq!(meshes.iter().map(|mesh| mesh.indices.len()).sum::<usize>(), embers as usize);
+            for (mesh, corners) in meshes.iter().flat_map(|mesh| mesh.indices.iter().map(move |corners| (mesh, corners))) {
+                let [a, b, c] = corners.map(|index| mesh.positions[index as usize]);
+                // Corners, middles of the sides, and the middle.
+                for p in [a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), (a + b + c) / 3.0] {
+                    assert!(Vec2::new(p.x, p.z).length() > COLUMN_RADIUS - 1e-4, "{embers} embers: {p}");
+                }
+            }
+        }
+    }
+}

@@ -25,11 +25,11 @@ pub fn run(common: &Common, arguments: &Plot) -> Outcome {
     if common.json {
         return output::json(&gallery);
     }
-    for check in gallery.checks().filter(|check| !check.holds) {
-        eprintln!("note: {}: found {}", check.what, check.measured);
-    }
     if common.quiet {
         return Ok(());
+    }
+    for check in gallery.checks().filter(|check| !check.holds) {
+        eprintln!("note: {}: found {}", check.what, check.measured);
     }
     let held = gallery.checks().filter(|check| check.holds).count();
     let page = arguments.output.join("index.html");

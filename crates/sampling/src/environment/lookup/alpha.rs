@@ -43,11 +43,6 @@ impl AlphaPlane {
         self.densities[at.y as usize * self.size.x as usize + at.x as usize]
     }
 
-    /// All densities, `height × width`, row-major.
-    pub fn densities(&self) -> &[f32] {
-        &self.densities
-    }
-
     /// Memory, bytes; none where it fills a channel that is there anyway.
     pub fn bytes(&self) -> usize {
         size_of_val(self.densities.as_slice())

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Fuzzes every importer, from seeds that code makes, and the building and tracing of any triangles, from none. `fuzz/run.sh SECONDS` searches with new random numbers for that long each; `fuzz/run.sh` is the
 # check that can be repeated: a fixed number of runs with fixed random numbers. Exit 0: nothing found. Exit 1: a finding, whose input lies in fuzz/artifacts.
-# Exit 2: fuzzing is not possible here. The sanitizer is off, since the importers are safe Rust: panics, hangs and memory are what is looked for.
+# Exit 2: fuzzing is not possible here. The sanitizer is off, since the importers are safe Rust (the hierarchy has
+# some that is not, which only its answers judge here): panics, hangs and memory are what is looked for.
 set -eu
 cd "$(dirname "$0")/.."
 if [ $# -gt 0 ]; then

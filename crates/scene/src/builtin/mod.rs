@@ -13,6 +13,7 @@ mod penumbra;
 mod room;
 mod shadows;
 mod spheres;
+mod stacked;
 mod stage;
 mod terrain;
 mod two_rooms;
@@ -53,6 +54,7 @@ const ALL: &[BuiltinScene] = &[
     spheres::SCENE,
     shadows::SCENE,
     penumbra::SCENE,
+    stacked::SCENE,
     mirror_room::SCENE,
     glossy_floor::SCENE,
     chair_room::SCENE,

@@ -103,6 +103,12 @@ impl<'a> Bindings<'a> {
         self
     }
 
+    /// Leaves out what is bound as `name`.
+    pub fn without(mut self, name: &str) -> Self {
+        self.0.remove(name);
+        self
+    }
+
     /// Binds everything that `other` has.
     pub fn with_all(mut self, other: &Bindings<'a>) -> Self {
         self.0.extend(other.0.iter().map(|(name, resource)| (*name, resource.clone())));

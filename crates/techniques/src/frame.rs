@@ -6,6 +6,7 @@ use glam::{UVec2, Vec3};
 use kajo_render_graph::wgpu;
 use kajo_render_graph::{Bindings, Device, Shader};
 use kajo_scene::{PlacedLight, Scene, Snapshot};
+use kajo_shader_lib::SourceFile;
 
 /// Which hardware traces rays behind the interface `trace`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -48,7 +49,15 @@ impl MakeContext<'_> {
     /// # Errors
     /// When the shader does not link or the device refuses it.
     pub fn shader(&self, name: &str, source: &str) -> Result<Shader, Error> {
-        Ok(Shader::new(self.device, shaders::link(name, source, self.variant))?)
+        self.shader_with(name, source, &[])
+    }
+
+    /// The same, where the shader also imports `files`.
+    ///
+    /// # Errors
+    /// As [`Self::shader`].
+    pub fn shader_with(&self, name: &str, source: &str, files: &[SourceFile]) -> Result<Shader, Error> {
+        Ok(Shader::new(self.device, shaders::link_with_files(name, source, files, self.variant))?)
     }
 }
 

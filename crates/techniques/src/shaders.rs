@@ -10,7 +10,7 @@ macro_rules! files {
 
 /// The modules.
 pub const FILES: &[SourceFile<'static>] =
-    files!["depth_map", "frame", "gbuffer", "lights", "material", "raster", "reflect", "scene", "surface", "trace"];
+    files!["chebyshev", "depth_map", "frame", "gbuffer", "lights", "material", "raster", "reflect", "scene", "surface", "trace"];
 
 /// What the modules depend on.
 #[derive(Clone, Copy, Debug)]
@@ -35,8 +35,16 @@ impl Variant<'static> {
 /// # Errors
 /// With file, line and message.
 pub fn link(name: &str, source: &str, variant: Variant) -> Result<Linked, ShaderError> {
+    link_with_files(name, source, &[], variant)
+}
+
+/// [`link`], where the root also imports `files`.
+///
+/// # Errors
+/// As [`link`].
+pub fn link_with_files(name: &str, source: &str, files: &[SourceFile], variant: Variant) -> Result<Linked, ShaderError> {
     let features = [("ray_query", variant.backend == TraceBackend::RayQuery), ("bindless", variant.bindless)];
     let models = models::switch(variant.models);
-    let files = [FILES, &[SourceFile { name: "models", source: &models }]].concat();
+    let files = [FILES, files, &[SourceFile { name: "models", source: &models }]].concat();
     link_with(SourceFile { name, source }, &files, &features)
 }

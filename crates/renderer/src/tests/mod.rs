@@ -5,6 +5,7 @@ mod display;
 mod emissive;
 mod gbuffer;
 mod lighting;
+mod map_family;
 mod model_twins;
 mod models;
 mod scenes;

@@ -1,14 +1,22 @@
 //! Techniques of the role direct visibility: which share of each light a point sees.
 
+pub mod cascades;
+pub mod contact;
 pub mod depth_map;
+pub mod evsm;
 pub mod hard;
+pub mod light_space_perspective;
 pub mod map;
+mod moments;
+pub mod msm;
 pub mod multi_sample;
 pub mod none;
+pub mod pcss;
 pub mod ray_traced;
 mod volume;
 pub mod volume_zfail;
 pub mod volume_zpass;
+pub mod vsm;
 
 use crate::Technique;
 
@@ -16,6 +24,13 @@ use crate::Technique;
 pub const ALL: &[&Technique] = &[
     &none::TECHNIQUE,
     &map::TECHNIQUE,
+    &cascades::TECHNIQUE,
+    &light_space_perspective::TECHNIQUE,
+    &vsm::TECHNIQUE,
+    &evsm::TECHNIQUE,
+    &msm::TECHNIQUE,
+    &pcss::TECHNIQUE,
+    &contact::TECHNIQUE,
     &volume_zpass::TECHNIQUE,
     &volume_zfail::TECHNIQUE,
     &multi_sample::TECHNIQUE,

@@ -4,15 +4,21 @@
 //! texture that the lights use one after the other, and binds what `package::depth_map` declares. A technique adds how it looks a point up.
 
 mod caster;
+mod debug;
+mod filtered;
 mod projection;
 #[cfg(test)]
 mod tests;
 
 pub use caster::{DepthLayout, Precision};
-pub(in crate::shadow) use projection::{Fit, Projection, fit};
+pub(in crate::shadow) use filtered::{FilteredMaps, reach_of};
+pub(in crate::shadow) use projection::{
+    Fit, Frustum, Projection, axes, axis, corners, depth_of, fit, parallel, range, relative_bounds, rotation,
+};
 
 use crate::{Error, FrameContext, MakeContext};
 use caster::Caster;
+use debug::Copies;
 use kajo_render_graph::wgpu::{self, BufferUsages};
 use kajo_render_graph::{Access, Bindings, Buffer, Device, Graph, PassContext, Resource, Slot, slot};
 
@@ -38,6 +44,8 @@ pub(in crate::shadow) struct Settings {
     pub resolution: u32,
     /// Texels from a point to the furthest that is read for it, along an axis.
     pub reach: f32,
+    /// Texels beyond the reach that must hold depth because a filter before the look-up reads them.
+    pub border: f32,
     /// How far points are moved.
     pub shift: Shift,
     /// What a texel holds.
@@ -49,7 +57,7 @@ pub(in crate::shadow) struct Settings {
 impl Settings {
     /// Maps with automatic bias in single precision, depth as the rasteriser has it.
     pub fn new(resolution: u32, reach: f32) -> Self {
-        Self { resolution, reach, shift: Shift::Automatic, layout: DepthLayout::Perspective, precision: Precision::Float32 }
+        Self { resolution, reach, border: 0.0, shift: Shift::Automatic, layout: DepthLayout::Perspective, precision: Precision::Float32 }
     }
 }
 
@@ -83,9 +91,9 @@ struct GpuMap {
     slope_bias: f32,
     normal_offset: f32,
     quantum: f32,
+    used_faces: u32,
     padding_a: u32,
     padding_b: u32,
-    padding_c: u32,
 }
 
 /// Distance between the uniforms of two lights: a multiple of every device's offset alignment.
@@ -112,6 +120,10 @@ pub(in crate::shadow) struct DepthMaps {
     maps: Option<Buffer>,
     faces: Option<Buffer>,
     projections: Vec<Projection>,
+    /// Side of a map, px: what was asked for, or what the device can do.
+    resolution: u32,
+    /// Of each light, for pictures; only when they are wanted.
+    copies: Vec<Copies>,
 }
 
 impl DepthMaps {
@@ -121,19 +133,33 @@ impl DepthMaps {
     /// When the device refuses.
     pub fn new(context: &MakeContext, id: &'static str, settings: Settings) -> Result<Self, Error> {
         let caster = Caster::new(context, settings.layout, settings.precision)?;
-        Ok(Self { id, settings, caster, maps: None, faces: None, projections: Vec::new() })
+        Ok(Self {
+            id,
+            settings,
+            caster,
+            maps: None,
+            faces: None,
+            projections: Vec::new(),
+            resolution: settings.resolution,
+            copies: Vec::new(),
+        })
     }
 
     /// Fits the maps of every light of the frame by `fit` and uploads them.
     ///
     /// # Errors
     /// When the device refuses.
-    pub fn prepare(&mut self, frame: &FrameContext, fit: impl Fn(&Fit) -> Projection) -> Result<(), Error> {
+    pub fn prepare(&mut self, frame: &FrameContext, fit: &dyn Fn(&Fit) -> Projection) -> Result<(), Error> {
         let resolution = self.settings.resolution.min(frame.device.info().max_image_side);
-        let fit_of = |light| fit(&Fit { light, frame, resolution, reach: self.settings.reach });
+        self.resolution = resolution;
+        let fit_of = |light| fit(&Fit { light, frame, resolution, reach: self.settings.reach + self.settings.border });
         self.projections = frame.lights.iter().map(fit_of).map(|projection| projection.used_by(frame)).collect();
         let layers = self.projections.iter().map(|projection| projection.faces.len() as u32).max().unwrap_or(1);
         self.caster.prepare(frame.device, resolution, layers);
+        let copies = |projection: &Projection| {
+            Copies::new(frame.device, [resolution, projection.faces.len() as u32], frame.size(), self.settings.precision)
+        };
+        self.copies = if frame.debug { self.projections.iter().map(copies).collect() } else { Vec::new() };
 
         let mut maps = vec![0u8; frame.lights.len() * STRIDE as usize];
         let mut faces = vec![0u8; frame.lights.len() * MAX_FACES * FACE_STRIDE as usize];
@@ -178,9 +204,9 @@ impl DepthMaps {
             slope_bias,
             normal_offset,
             quantum: settings.precision.quantum(),
+            used_faces: (0..MAX_FACES).filter(|&face| projection.is_used[face]).map(|face| 1 << face).sum(),
             padding_a: 0,
             padding_b: 0,
-            padding_c: 0,
         }
     }
 
@@ -195,6 +221,19 @@ impl DepthMaps {
             .with("normal", pass.view(slot::NORMAL)?)
             .with("ids", pass.view(slot::IDS)?)
             .with("visibility", pass.view(slot::SHADOW_VISIBILITY)?))
+    }
+
+    /// The same without the map's texture: for techniques that look up something made from it.
+    ///
+    /// # Errors
+    /// As [`Self::bindings`].
+    pub fn receiver_bindings(&self, layer: usize, pass: &PassContext) -> Result<Bindings<'_>, kajo_render_graph::Error> {
+        Ok(self.bindings(layer, pass)?.without("light_depth"))
+    }
+
+    /// Maps of a light of the frame.
+    pub fn faces(&self, layer: usize) -> usize {
+        self.projections[layer].faces.len()
     }
 
     /// The map itself: its uniform and its texture.
@@ -234,7 +273,10 @@ impl DepthMaps {
             let own = Bindings::new().with("face", Resource::Range(faces, face_offset(layer, face), caster::FACE_BYTES));
             self.caster.draw(frame, &frame.lights[layer], (face as u32, self.projections[layer].parallel), &own, pass)?;
         }
-        Ok(())
+        match self.copies.get(layer) {
+            Some(copies) => copies.take(self, self.projections[layer].faces.len() as u32, pass),
+            None => Ok(()),
+        }
     }
 }
 
@@ -243,7 +285,7 @@ fn face_offset(layer: usize, face: usize) -> u64 {
 }
 
 /// Writes `bytes` into a uniform buffer, a new one where the old is too small.
-fn upload(device: &Device, buffer: &mut Option<Buffer>, label: &str, bytes: &[u8]) -> Result<(), Error> {
+pub(in crate::shadow) fn upload(device: &Device, buffer: &mut Option<Buffer>, label: &str, bytes: &[u8]) -> Result<(), Error> {
     if buffer.as_ref().is_none_or(|buffer| buffer.bytes() < bytes.len() as u64) {
         *buffer = Some(device.buffer(label, bytes.len() as u64, BufferUsages::UNIFORM | BufferUsages::COPY_DST)?);
     }

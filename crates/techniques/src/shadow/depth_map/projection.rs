@@ -207,9 +207,34 @@ impl Frustum {
         self.on_near.map(|p| if self.perspective { p * (distance / near) } else { p + forward * (distance - p.dot(forward)) })
     }
 
+    /// Middle of the view at a distance along the viewing axis.
+    pub fn on_axis(&self, distance: f32) -> Vec3 {
+        self.at(distance).iter().sum::<Vec3>() * 0.25
+    }
+
+    /// The smallest sphere around a part of the view whose middle lies on the axis: the distance of its middle, and its radius.
+    pub fn sphere(&self, [start, end]: [f32; 2]) -> (f32, f32) {
+        let aside = |distance: f32| self.at(distance)[0].distance_squared(self.on_axis(distance));
+        let (near, far) = (aside(start), aside(end));
+        // As far from the corners in front as from those behind, or in the middle of the far side.
+        let middle = (0.5 * (start + end + (far - near) / (end - start).max(f32::MIN_POSITIVE))).clamp(start, end);
+        let radius = (near + (middle - start).powi(2)).max(far + (end - middle).powi(2));
+        (middle, radius.sqrt())
+    }
+
     /// All eight.
     pub fn corners(&self) -> [Vec3; 8] {
         let (near, far) = (self.at(self.near), self.at(self.far));
         std::array::from_fn(|i| if i < 4 { near[i] } else { far[i - 4] })
+    }
+}
+
+#[cfg(test)]
+impl Frustum {
+    /// A square one with this tangent of half its angle.
+    pub fn looking_along_minus_z(tangent: f32, near: f32, far: f32) -> Self {
+        let on_near =
+            [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(x, y)| Vec3::new(x * tangent * near, y * tangent * near, -near));
+        Self { on_near, forward: Vec3::NEG_Z, perspective: true, near, far }
     }
 }

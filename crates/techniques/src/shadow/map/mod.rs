@@ -1,13 +1,8 @@
 //! Shadow maps.
 
-#[cfg(test)]
-mod tests;
-
-use super::depth_map::{self, DepthLayout, DepthMaps, Precision, Settings, Shift, fit};
-use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
-use kajo_params::{ParamChoice, ParamValues, Params};
-use kajo_render_graph::wgpu::{self, BufferUsages};
-use kajo_render_graph::{Buffer, ComputePipeline, Graph, PipelineOptions};
+use super::depth_map::{self, DepthLayout, FilteredMaps, Precision, Settings, Shift, fit, reach_of};
+use crate::{Needs, Role, Technique};
+use kajo_params::{ParamChoice, Params};
 use kajo_units::Meters;
 
 /// The technique.
@@ -20,7 +15,10 @@ pub const TECHNIQUE: Technique = Technique {
     reads: depth_map::READS,
     needs: Needs::NONE,
     params: Params::SPEC,
-    make: |context, values| Ok(Box::new(ShadowMap::new(context, values)?)),
+    make: |context, values| {
+        let params = Params::from_values(values);
+        Ok(Box::new(FilteredMaps::new(context, TECHNIQUE.id, params.settings(), params.kernel, Box::new(fit))?))
+    },
 };
 
 /// How far a point is moved before it is looked up.
@@ -75,53 +73,6 @@ impl Params {
             Bias::SlopeScaled => Shift::ByHand { constant, slope, normal: 0.0 },
             Bias::NormalOffset => Shift::ByHand { constant, slope: 0.0, normal },
         };
-        // One texel is read for a point somewhere in it; a filtered comparison reads the four around it, kernel texels away.
-        let reach = if self.kernel == 0 { 0.5 } else { self.kernel as f32 + 1.0 };
-        Settings { shift, layout: self.depth, precision: self.precision, ..Settings::new(self.resolution, reach) }
-    }
-}
-
-/// What the look-up reads beside the map.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable, kajo_shader_lib::ShaderLayout)]
-struct GpuParams {
-    kernel: i32,
-    padding_a: u32,
-    padding_b: u32,
-    padding_c: u32,
-}
-
-struct ShadowMap {
-    maps: DepthMaps,
-    look_up: ComputePipeline,
-    uniform: Buffer,
-    compare: wgpu::Sampler,
-}
-
-impl ShadowMap {
-    fn new(context: &MakeContext, values: &ParamValues) -> Result<Self, Error> {
-        let params = Params::from_values(values);
-        let shader = context.shader("shadow/map", include_str!("look_up.wesl"))?;
-        let options = PipelineOptions { list_length: context.textures, ..Default::default() };
-        let uniform = GpuParams { kernel: params.kernel as i32, padding_a: 0, padding_b: 0, padding_c: 0 };
-        Ok(Self {
-            maps: DepthMaps::new(context, TECHNIQUE.id, params.settings())?,
-            look_up: ComputePipeline::new(context.device, &shader, "look_up", options)?,
-            uniform: context.device.buffer_with(TECHNIQUE.id, &[uniform], BufferUsages::UNIFORM)?,
-            compare: depth_map::comparison(context.device),
-        })
-    }
-}
-
-impl Effect for ShadowMap {
-    fn prepare(&mut self, frame: &FrameContext) -> Result<(), Error> {
-        self.maps.prepare(frame, fit)
-    }
-
-    fn record<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>) {
-        self.maps.record(frame, graph, &["look-up"], move |_, layer, pass| {
-            let own = self.maps.bindings(layer, pass)?.with("params", &self.uniform).with("compare", &self.compare);
-            self.look_up.dispatch(pass.device, pass.encoder, &frame.shared, &own, frame.size().extend(1))
-        });
+        Settings { shift, layout: self.depth, precision: self.precision, ..Settings::new(self.resolution, reach_of(self.kernel)) }
     }
 }

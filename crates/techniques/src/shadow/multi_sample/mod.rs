@@ -11,6 +11,7 @@ use kajo_render_graph::wgpu::{self, BufferUsages};
 use kajo_render_graph::{
     Access, Bindings, Buffer, ComputePipeline, Device, Graph, PipelineOptions, Pool, Resource, Slot, Texture, Timings, slot,
 };
+use kajo_scene::Ignored;
 use kajo_shader_lib::light::GpuLight;
 use points::points;
 
@@ -202,5 +203,9 @@ impl Effect for MultiSample {
 
     fn rays(&self, device: &Device) -> Result<u64, Error> {
         self.inner.rays(device)
+    }
+
+    fn notes(&self) -> Vec<Ignored> {
+        self.inner.notes()
     }
 }

@@ -4,5 +4,5 @@ use crate::{TraceBackend, shaders};
 #[test]
 fn the_uniform_is_laid_out_as_the_shader_reads_it() {
     let variant = shaders::Variant::without_models(TraceBackend::Compute, true);
-    shaders::link(TECHNIQUE.id, include_str!("look_up.wesl"), variant).unwrap().check_layout::<GpuParams>("Params").unwrap();
+    shaders::link(TECHNIQUE.id, include_str!("contact.wesl"), variant).unwrap().check_layout::<GpuParams>("Params").unwrap();
 }

@@ -10,7 +10,8 @@ const SMALL: [&str; 8] = ["--role", "direct-visibility", "--size", "96x54", "--r
 #[test]
 fn the_report_has_the_keys_of_the_contract() {
     let folder = tempfile::tempdir().unwrap();
-    let words = [&["compare", "builtin:shadows", "-o", "report"][..], &SMALL].concat();
+    let techniques = ["--technique", "shadow/none", "--technique", "shadow/map", "--technique", "shadow/ray-traced"];
+    let words = [&["compare", "builtin:shadows", "-o", "report"][..], &SMALL, &techniques].concat();
     succeed(folder.path(), &words);
     let text = fs::read_to_string(folder.path().join("report/report.json")).unwrap();
     let report: serde_json::Value = serde_json::from_str(&text).unwrap();

@@ -18,6 +18,7 @@ mod reference;
 pub mod render_cost;
 pub mod report;
 mod staging;
+pub mod study;
 mod subject;
 
 pub use error::LabError;

@@ -69,6 +69,8 @@ pub enum Command {
     /// Time parts of Kajo
     #[command(subcommand)]
     Bench(Bench),
+    /// Ask one question about techniques by varying one thing; without a name, list the questions
+    Study(StudyCommand),
     /// List the GPU adapters and what they can do
     Devices {
         /// One line an adapter, fields separated by tabs; nothing and exit code 0 without any
@@ -238,6 +240,20 @@ pub struct Compare {
     /// Worker threads of the reference [default: all]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1..=1024u16))]
     pub threads: Option<u16>,
+}
+
+/// `kajo study`.
+#[derive(Debug, Args)]
+pub struct StudyCommand {
+    /// The study, e.g. shadow-bias
+    #[arg(requires = "output")]
+    pub name: Option<String>,
+    /// Folder of the report: index.html, report.json, tables, plots and pictures
+    #[arg(short, long, value_name = "DIR", requires = "name")]
+    pub output: Option<PathBuf>,
+    /// Fewer steps and smaller pictures
+    #[arg(long)]
+    pub quick: bool,
 }
 
 /// `kajo info`.

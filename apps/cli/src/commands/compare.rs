@@ -11,9 +11,9 @@ use kajo_lab::{CompareOptions, LabError, Progress, ReferenceStop, compare};
 /// Runs the comparison and says what to use.
 pub fn run(common: &Common, arguments: &Compare) -> Outcome {
     let options = options(arguments);
-    let watched = Watched { bar: progress::bar(common.quiet, "comparing") };
+    let watched = Watched::new(progress::bar(common.quiet, "comparing"));
     let result = compare(&options, &watched);
-    watched.bar.finish_and_clear();
+    watched.finish();
     let report = result.map_err(|error| match error {
         LabError::Technique(_) | LabError::Nothing { .. } => Failure::usage(error),
         LabError::Scene(error) => view::failure(error),
@@ -64,8 +64,21 @@ fn tell(options: &CompareOptions, report: &Report) -> Outcome {
     output::text(&format!("{}{}\n", decisions.collect::<String>(), options.output.join("index.html").display()))
 }
 
-struct Watched {
+/// Shows progress of the lab on a bar and stops it at an interrupt.
+pub struct Watched {
     bar: ProgressBar,
+}
+
+impl Watched {
+    /// On this bar.
+    pub fn new(bar: ProgressBar) -> Self {
+        Self { bar }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
 }
 
 impl Progress for Watched {

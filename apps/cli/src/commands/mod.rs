@@ -11,6 +11,7 @@ mod info;
 mod metrics;
 mod render;
 mod scenes;
+mod study;
 mod techniques;
 
 use crate::arguments::{Bench, Command, Kajo};
@@ -30,6 +31,7 @@ pub fn run(arguments: &Kajo) -> Outcome {
         Command::Info(arguments) => info::run(common, arguments),
         Command::Metrics(arguments) => metrics::run(common, arguments),
         Command::Render(arguments) => render::run(common, arguments),
+        Command::Study(arguments) => study::run(common, arguments),
         Command::Scenes => scenes::run(common),
         Command::Techniques { id, markdown } => techniques::run(common, id.as_deref(), *markdown),
     }

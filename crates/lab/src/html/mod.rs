@@ -10,6 +10,8 @@ mod method;
 mod table;
 mod viewer;
 
+pub(crate) use format::data_uri;
+
 use crate::report::Report;
 use kajo_image::Image;
 use kajo_units::Srgb8;
@@ -58,7 +60,7 @@ pub struct CropPictures {
 }
 
 /// Nothing is loaded from anywhere: the browser enforces it.
-const POLICY: &str =
+pub(crate) const POLICY: &str =
     "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
 
 /// The page.

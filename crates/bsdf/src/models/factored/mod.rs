@@ -18,7 +18,6 @@ pub(crate) mod testing;
 
 pub use file::{Contents, Format};
 pub use grid::{Grid, Viewer};
-pub use profile::Profile;
 pub use reflectance::{Factored, LEAST_COSINE, ViewWeights};
 
 /// For numbers that are shares of light.

@@ -111,6 +111,13 @@ impl Table {
                 return Err(format!("its field `phi_i` spans {degrees:.1}°, not a whole turn, a half or a quarter; fetch the file again"));
             }
         };
+        let quarters = first / FRAC_PI_2;
+        if symmetry == Symmetry::Mirrors && (quarters - quarters.round()).abs() > 1e-3 {
+            let degrees = first.to_degrees();
+            return Err(format!(
+                "its field `phi_i` spans a quarter from {degrees:.1}° on, which no mirror at an axis completes; fetch the file again"
+            ));
+        }
         let (sin, cos) = (0.5 * (first + last)).sin_cos();
         Ok(Self { data, isotropic, symmetry, middle: [cos, sin] })
     }
@@ -120,12 +127,14 @@ impl Table {
     }
 
     /// How far the measured azimuths reach.
-    pub fn symmetry(&self) -> Symmetry {
+    #[cfg(test)]
+    pub(super) fn symmetry(&self) -> Symmetry {
         self.symmetry
     }
 
     /// Does it stay the same when light and viewer turn about the normal?
-    pub fn is_isotropic(&self) -> bool {
+    #[cfg(test)]
+    pub(super) fn is_isotropic(&self) -> bool {
         self.isotropic
     }
 

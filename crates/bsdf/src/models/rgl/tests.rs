@@ -364,13 +364,20 @@ fn fields_that_do_not_fit_are_told_apart() {
     said(numbers("rgb", &[1, 2, 3, 6, 5], |_| 1.0), "not … × 3 × 5 × 5");
     said(numbers("rgb", &[1, 2, 3, 5, 5], |_| f32::NAN), "`rgb` holds NaN");
     said(("jacobian", Content::Bytes(vec![1, 1])), "`jacobian` has 2 bytes");
-    let third = fields(|fields| {
-        replace(fields, numbers("phi_i", &[3], |i| i as f32));
-        replace(fields, numbers("vndf", &[3, 2, 3, 4], |_| 1.0));
-        replace(fields, numbers("luminance", &[3, 2, 5, 5], |_| 1.0));
-        replace(fields, numbers("rgb", &[3, 2, 3, 5, 5], |_| 1.0));
-    });
-    assert!(Table::from_bytes(&third).unwrap_err().contains("`phi_i` spans 114.6°"));
+    // Three azimuths, this much apart.
+    let azimuths = |first: f32, step: f32| {
+        let file = fields(|fields| {
+            replace(fields, numbers("phi_i", &[3], |i| first + step * i as f32));
+            replace(fields, numbers("vndf", &[3, 2, 3, 4], |_| 1.0));
+            replace(fields, numbers("luminance", &[3, 2, 5, 5], |_| 1.0));
+            replace(fields, numbers("rgb", &[3, 2, 3, 5, 5], |_| 1.0));
+        });
+        Table::from_bytes(&file).map_err(|error| error.to_string())
+    };
+    let eighth = std::f32::consts::FRAC_PI_4;
+    assert!(azimuths(0.0, 1.0).unwrap_err().contains("`phi_i` spans 114.6°"));
+    assert!(azimuths(eighth, eighth).unwrap_err().contains("`phi_i` spans a quarter from 45.0° on"));
+    assert!(azimuths(2.0 * eighth, eighth).is_ok() && azimuths(-4.0 * eighth, eighth).is_ok());
 }
 
 #[test]

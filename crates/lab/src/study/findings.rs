@@ -133,7 +133,7 @@ mod tests {
     fn tables_are_written_with_every_digit_and_quoted_names() {
         let mut table = Table::new("t", "", &["name", "x, m"]);
         table.row(["a \"b\"".into(), 0.123456789.into()]);
-        assert_eq!(table.to_csv(), "name,\"x, m\"\n\"a \"\"b\"\"\",0.123456789\n".replace("\"a \"\"b\"\"\"", "\"a \"\"b\"\"\""));
+        assert_eq!(table.to_csv(), "name,\"x, m\"\n\"a \"\"b\"\"\",0.123456789\n");
         assert_eq!(table.rows[0][1].shown(), "0.123");
     }
 }

@@ -14,3 +14,4 @@ mod shadows;
 mod soft_shadows;
 mod textures;
 mod tracing;
+mod wedges;

@@ -17,6 +17,7 @@ mod volume;
 pub mod volume_zfail;
 pub mod volume_zpass;
 pub mod vsm;
+pub mod wedges;
 
 use crate::Technique;
 
@@ -33,6 +34,7 @@ pub const ALL: &[&Technique] = &[
     &contact::TECHNIQUE,
     &volume_zpass::TECHNIQUE,
     &volume_zfail::TECHNIQUE,
+    &wedges::TECHNIQUE,
     &multi_sample::TECHNIQUE,
     &ray_traced::TECHNIQUE,
 ];

@@ -54,6 +54,9 @@ pub(super) struct Casters {
     notes: Vec<Ignored>,
 }
 
+/// One open edge in so many leaves a mesh nearly closed.
+const NEARLY: usize = 20;
+
 /// No triangle at a side of an edge, as in extract.wesl.
 const NO_SIDE: u32 = u32::MAX;
 
@@ -93,7 +96,8 @@ impl Casters {
     }
 
     /// What throws volumes for a light.
-    pub fn jobs(&self, frame: &FrameContext, light: &FrameLight, count: Count, culling: bool) -> Jobs {
+    /// `soft`: the count is a sum of coverages, in which layers of a body must not count twice.
+    pub fn jobs(&self, frame: &FrameContext, light: &FrameLight, (count, culling, soft): (Count, bool, bool)) -> Jobs {
         let mut out = Jobs::default();
         let light_at = cull::light_point(light, frame.view.position);
         for (draw, instance) in frame.draws.iter().zip(&frame.snapshot.instances) {
@@ -108,9 +112,12 @@ impl Casters {
                 continue;
             }
             let masked = draw.coverage == Coverage::Mask;
-            let closed = caster.adjacency.topology.is_closed();
+            let topology = &caster.adjacency.topology;
+            let closed = topology.is_closed();
+            let nearly = topology.unbalanced * NEARLY < topology.edges;
             // Around a closed mesh that holds neither the light nor the camera, what faces the light and what does not throw the same shadow.
-            let whole = masked || !closed || cull::holds(&bounds, light_at) || cull::is_near(&bounds, &frame.view);
+            let inside = [cull::holds(&bounds, light_at), cull::is_near(&bounds, &frame.view)];
+            let whole = if soft { !nearly || inside[0] != inside[1] } else { masked || !closed || inside[0] || inside[1] };
             let edges = &caster.adjacency.edges;
             out.list.push(GpuJob {
                 first_triangle: out.triangles,

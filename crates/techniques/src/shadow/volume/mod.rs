@@ -8,6 +8,7 @@ mod cull;
 mod extract;
 mod polygons;
 mod receive;
+mod soften;
 #[cfg(test)]
 mod tests;
 
@@ -21,6 +22,7 @@ use kajo_scene::Ignored;
 use kajo_units::LinearRgb;
 use polygons::Polygons;
 use receive::Receive;
+use soften::Soften;
 
 /// Which polygons count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +45,8 @@ pub(super) struct ShadowVolumes {
     extract: Extract,
     polygons: Polygons,
     receive: Receive,
+    /// Corrects the answer where the light has an extent.
+    soften: Option<Soften>,
     images: Option<Images>,
 }
 
@@ -73,8 +77,14 @@ impl ShadowVolumes {
             extract: Extract::new(context)?,
             polygons: Polygons::new(context, count)?,
             receive: Receive::new(context)?,
+            soften: None,
             images: None,
         })
+    }
+
+    /// The same with penumbrae.
+    pub fn softened(self, context: &MakeContext) -> Result<Self, Error> {
+        Ok(Self { soften: Some(Soften::new(context)?), ..self })
     }
 
     fn make_images(&mut self, frame: &FrameContext) {
@@ -124,10 +134,14 @@ impl Effect for ShadowVolumes {
     fn prepare(&mut self, frame: &FrameContext) -> Result<(), Error> {
         self.casters.update(frame)?;
         self.make_images(frame);
-        let jobs: Vec<_> = frame.lights.iter().map(|light| self.casters.jobs(frame, light, self.count, self.culling)).collect();
+        let jobs: Vec<_> =
+            frame.lights.iter().map(|light| self.casters.jobs(frame, light, (self.count, self.culling, self.soften.is_some()))).collect();
         self.extract.prepare(frame, &jobs)?;
         self.polygons.prepare(frame)?;
-        self.receive.prepare(frame, self.culling)
+        if let Some(soften) = &mut self.soften {
+            soften.prepare(frame)?;
+        }
+        self.receive.prepare(frame, self.count, self.culling)
     }
 
     fn record<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>) {
@@ -149,6 +163,10 @@ impl Effect for ShadowVolumes {
                 self.polygons.count(frame, layer, self.extract.lists(layer), [&images.limit, &images.stencil, &images.dark], pass)
             });
             graph.pass(turn("answer"), move |pass| {
+                if let Some(soften) = &self.soften {
+                    let found = (self.extract.lists(layer), self.extract.counts(layer));
+                    return soften.run(frame, layer, &images.stencil, found, pass);
+                }
                 self.receive.answer(frame, layer, [&images.stencil, &images.dark], self.extract.counts(layer), pass)
             });
             if let Some(debug) = &images.debug {

@@ -1,6 +1,6 @@
 //! Where the visible points lie, and what the counts say about them.
 
-use super::extract;
+use super::{Count, extract};
 use crate::{Error, FrameContext, MakeContext};
 use bytemuck::{Pod, Zeroable};
 use glam::UVec3;
@@ -14,7 +14,7 @@ pub(super) struct GpuReceiving {
     light: u32,
     layer: u32,
     skip: u32,
-    padding: u32,
+    least: f32,
 }
 
 pub(super) struct Receive {
@@ -38,8 +38,10 @@ impl Receive {
     }
 
     /// `skip`: nothing is counted where the answer is known.
-    pub fn prepare(&mut self, frame: &FrameContext, skip: bool) -> Result<(), Error> {
-        let uniform = |layer| GpuReceiving { light: frame.first_light + layer, layer, skip: u32::from(skip), padding: 0 };
+    pub fn prepare(&mut self, frame: &FrameContext, count: Count, skip: bool) -> Result<(), Error> {
+        // Caps know their own side exactly; without them what lies within the rounding of normals is dark.
+        let least = if count == Count::Behind { -1.0 } else { 2e-4 };
+        let uniform = |layer| GpuReceiving { light: frame.first_light + layer, layer, skip: u32::from(skip), least };
         let uniforms: Vec<GpuReceiving> = (0..frame.lights.len() as u32).map(uniform).collect();
         extract::upload_uniforms(frame.device, &mut self.uniforms, "shadow/volume receiving", &uniforms)
     }

@@ -2,6 +2,7 @@ use super::casters::GpuJob;
 use super::extract::{GpuCounts, GpuExtraction};
 use super::polygons::GpuCounting;
 use super::receive::GpuReceiving;
+use super::soften::GpuSoftening;
 use crate::{TraceBackend, shaders};
 
 #[test]
@@ -12,5 +13,6 @@ fn structs_are_laid_out_as_the_shaders_read_them() {
     extract.check_layout::<GpuExtraction>("Extraction").unwrap();
     extract.check_layout::<GpuCounts>("Counts").unwrap();
     link("shadow/volume/count", include_str!("count.wesl")).check_layout::<GpuCounting>("Counting").unwrap();
+    link("shadow/volume/soften", include_str!("soften.wesl")).check_layout::<GpuSoftening>("Softening").unwrap();
     link("shadow/volume/receive", include_str!("receive.wesl")).check_layout::<GpuReceiving>("Receiving").unwrap();
 }

@@ -21,8 +21,8 @@ pub(super) struct GpuJob {
     pub instance: u32,
     pub whole: u32,
     pub caps: u32,
-    pub padding_a: u32,
-    pub padding_b: u32,
+    pub inside_out: u32,
+    pub padding: u32,
 }
 
 /// What one light has extracted.
@@ -44,6 +44,8 @@ struct CasterMesh {
     first_edge: u32,
     /// Box in object space, m.
     bounds: [Vec3; 2],
+    /// Its triangles face inwards, if it is closed.
+    inside_out: bool,
 }
 
 /// The casters of a scene.
@@ -78,7 +80,7 @@ impl Casters {
             let count = adjacency.edges.len() as u32;
             let empty = [Vec3::INFINITY, Vec3::NEG_INFINITY];
             let bounds = mesh.positions.iter().fold(empty, |[low, high], p| [low.min(*p), high.max(*p)]);
-            list.push(CasterMesh { mesh: mesh.clone(), adjacency, first_edge, bounds });
+            list.push(CasterMesh { mesh: mesh.clone(), adjacency, first_edge, bounds, inside_out: volume(mesh) < 0.0 });
             first_edge += count;
         }
         self.meshes = list;
@@ -127,6 +129,7 @@ impl Casters {
                 whole: u32::from(whole),
                 // Between the camera and what it sees lie no caps but those that can be seen through.
                 caps: u32::from(count == Count::Behind || masked),
+                inside_out: u32::from(caster.inside_out),
                 ..GpuJob::default()
             });
             out.triangles += caster.mesh.indices.len() as u32;
@@ -169,6 +172,13 @@ impl Casters {
         }
         out
     }
+}
+
+/// Signed volume of a closed mesh, m³; negative where its triangles face inwards.
+fn volume(mesh: &Mesh) -> f64 {
+    let corners = |triangle: &[u32; 3]| triangle.map(|vertex| mesh.positions[vertex as usize].as_dvec3());
+    let cone = |[a, b, c]: [glam::DVec3; 3]| a.dot(b.cross(c)) / 6.0;
+    mesh.indices.iter().map(|triangle| cone(corners(triangle))).sum()
 }
 
 /// An edge as the shader reads it.

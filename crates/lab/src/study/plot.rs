@@ -40,7 +40,7 @@ pub struct Series {
 const WIDTH: f64 = 860.0;
 const HEIGHT: f64 = 440.0;
 /// Left, top, right and bottom of the field; the names of the curves stand to its right.
-const FIELD: [f64; 4] = [78.0, 16.0, 640.0, 384.0];
+const FIELD: [f64; 4] = [78.0, 16.0, 600.0, 384.0];
 
 /// Told apart by people who see few colours, on dark and on light.
 const COLORS: [&str; 8] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#a98600", "#56b4e9", "#7f7f7f", "#8c564b"];

@@ -136,11 +136,11 @@ fn run(bench: &Bench) -> Result<Findings, LabError> {
         bench.at(kind.name, index as f64 / KINDS.len() as f64)?;
         let mut settings = vec![match kind.strength {
             None => (kind.name.to_owned(), kind.params.to_owned()),
-            Some((name, default)) => (format!("{}, {name} {default}", kind.name), format!("{},{name}={default}", kind.params)),
+            Some((name, default)) => (format!("{} {default}, default", kind.name), format!("{},{name}={default}", kind.params)),
         }];
         if let Some((name, _)) = kind.strength {
             let least = least_without_acne(&mut measurement, kind.params, name, &slopes)?;
-            settings.push((format!("{}, least without acne: {least}", kind.name), format!("{},{name}={least}", kind.params)));
+            settings.push((format!("{} {least}, least clean", kind.name), format!("{},{name}={least}", kind.params)));
         }
         for (label, params) in settings {
             let samples = slopes.iter().map(|&slope| measurement.sample(&technique(&params), slope)).collect::<Result<Vec<_>, _>>()?;
@@ -162,7 +162,7 @@ fn least_without_acne(measurement: &mut Measurement, params: &str, name: &str, s
         Ok::<bool, LabError>(true)
     };
     let mut high = 1.0 / 64.0;
-    while high < 8.0 && !clean(high)? {
+    while high < 32.0 && !clean(high)? {
         high *= 2.0;
     }
     let mut low = 0.5 * high;
@@ -216,7 +216,7 @@ fn findings(curves: &[(String, Vec<Sample>)]) -> Findings {
         worst(automatic) <= least + 0.02,
         format!("greatest detachment {:.2} texels; {}", worst(automatic), list.join(", ")),
     );
-    let constant = curves.iter().find(|(name, _)| name.starts_with("constant, constant_bias")).map(|(_, samples)| acne(samples));
+    let constant = curves.iter().find(|(name, _)| name.starts_with("constant 0.005")).map(|(_, samples)| acne(samples));
     out.claim(
         "A constant bias that suits gentle slopes leaves acne on steep ones.",
         constant.is_some_and(|acne| acne > 0.01),

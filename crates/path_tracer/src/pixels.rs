@@ -2,7 +2,7 @@
 
 use crate::Integrator;
 use crate::camera::CameraView;
-use crate::edges::{EDGE_RAYS, Edges};
+use crate::extra::{EXTRA_RAYS, Extra, Extras};
 use crate::film::Row;
 use crate::filter::FilterSampler;
 use crate::integrator::first_hit::Previous;
@@ -19,27 +19,26 @@ use kajo_units::LinearRgb;
 pub(crate) struct Pixels<'a> {
     pub cx: Context<'a>,
     pub view: CameraView,
-    pub edges: Option<Edges>,
+    pub extras: Option<Extras>,
     pub previous: Option<Previous<'a>>,
     pub filter: FilterSampler,
     pub slots: Slots,
     pub channels: usize,
 }
 
-/// First bounce number of the random numbers of the additional rays at edges: far above any other.
-const EDGE_DIMENSIONS: u32 = 1 << 18;
+/// First bounce number of the random numbers of additional rays: far above any other.
+const EXTRA_DIMENSIONS: u32 = 1 << 18;
 
 /// Samples whose camera rays are traced together: the rays of a packet.
 pub(crate) const BATCH: usize = 16;
 
 /// A sample on its way.
 struct Sample {
-    /// Column of the pixel.
-    x: u32,
+    pixel: UVec2,
     number: u32,
     sampler: Sampler,
     chance: Chance,
-    is_edge: bool,
+    extra: Extra,
 }
 
 /// Room for the samples of one batch.
@@ -48,9 +47,8 @@ struct Batch {
     samples: Vec<Sample>,
     rays: Rays,
     hits: Vec<Option<Hit>>,
-    /// Additional rays at edges.
-    edge_rays: Rays,
-    edge_hits: Vec<Option<Hit>>,
+    extra_rays: Rays,
+    extra_hits: Vec<Option<Hit>>,
     /// Channels of one sample.
     channels: Vec<f32>,
     counts: Counts,
@@ -84,45 +82,56 @@ impl Pixels<'_> {
     fn start(&self, batch: &mut Batch, pixel: UVec2, number: u32) {
         let (mut sampler, mut chance) = (self.sampler(pixel, number), self.chance(pixel, number));
         batch.rays.push(self.camera_ray(pixel, &mut sampler), chance.next());
-        let is_edge = self.edges.as_ref().is_some_and(|edges| edges.at(pixel));
-        if is_edge {
-            for sub in 0..EDGE_RAYS {
-                let mut sampler = self.sampler(pixel, number.wrapping_mul(EDGE_RAYS).wrapping_add(sub));
-                sampler.start_bounce(EDGE_DIMENSIONS);
-                batch.edge_rays.push(self.camera_ray(pixel, &mut sampler), chance.next());
+        let extra = self.extras.as_ref().map_or(Extra::Nothing, |extras| extras.at(pixel));
+        if extra != Extra::Nothing {
+            for sub in 0..EXTRA_RAYS {
+                batch.extra_rays.push(self.camera_ray(pixel, &mut self.extra_sampler(pixel, number, sub)), chance.next());
             }
         }
-        batch.samples.push(Sample { x: pixel.x, number, sampler, chance, is_edge });
+        batch.samples.push(Sample { pixel, number, sampler, chance, extra });
     }
 
     /// Traces the camera rays of a batch, completes its samples and adds them to the row.
     fn finish(&self, batch: &mut Batch, row: &mut Row) {
-        let Batch { samples, rays, hits, edge_rays, edge_hits, channels, counts } = batch;
+        let Batch { samples, rays, hits, extra_rays, extra_hits, channels, counts } = batch;
         self.cx.world.closest_of(rays, hits);
-        self.cx.world.closest_of(edge_rays, edge_hits);
+        self.cx.world.closest_of(extra_rays, extra_hits);
         let traced = |rays: &Rays, hits: &[Option<Hit>], ray: usize| TracedRay { ray: rays.ray(ray), hit: hits[ray] };
-        let mut edge_ray = 0;
+        let mut extra_ray = 0;
         for (ray, mut sample) in samples.drain(..).enumerate() {
             channels.fill(0.0);
-            if sample.is_edge {
-                let mut record = Record { slots: &self.slots, channels, sees_lamps: true };
-                for _ in 0..EDGE_RAYS {
-                    self.cx.emission(traced(edge_rays, edge_hits, edge_ray), &mut Share(&mut record));
-                    edge_ray += 1;
+            if sample.extra != Extra::Nothing {
+                let mut record = Record { slots: &self.slots, channels, least_bounces: 0 };
+                for sub in 0..EXTRA_RAYS {
+                    self.extra(&mut sample, sub, traced(extra_rays, extra_hits, extra_ray), &mut Share(&mut record));
+                    extra_ray += 1;
                 }
             }
             self.complete(&mut sample, traced(rays, hits, ray), channels);
             counts.rays += sample.chance.rays;
-            counts.invalid += u64::from(!row.add(sample.x, sample.number, channels));
+            counts.invalid += u64::from(!row.add(sample.pixel.x, sample.number, channels));
         }
         rays.clear();
-        edge_rays.clear();
+        extra_rays.clear();
+    }
+
+    /// What an additional ray of a sample brings.
+    fn extra(&self, sample: &mut Sample, sub: u32, start: TracedRay, sink: &mut impl Sink) {
+        match sample.extra {
+            Extra::Nothing => {}
+            Extra::Lamps => self.cx.emission(start, sink),
+            Extra::Direct => {
+                let direct = Context { max_depth: self.cx.max_depth.min(1), ..self.cx };
+                let mut sampler = self.extra_sampler(sample.pixel, sample.number, sub);
+                direct.path(start, EXTRA_DIMENSIONS + 1, &mut sampler, &mut sample.chance, sink);
+            }
+        }
     }
 
     /// All of a sample that comes by its camera ray.
     fn complete(&self, sample: &mut Sample, start: TracedRay, channels: &mut [f32]) {
         let (sampler, chance) = (&mut sample.sampler, &mut sample.chance);
-        let mut record = Record { slots: &self.slots, channels, sees_lamps: !sample.is_edge };
+        let mut record = Record { slots: &self.slots, channels, least_bounces: sample.extra.least_bounces() };
         match self.cx.settings.integrator {
             Integrator::Path | Integrator::Direct => self.cx.path(start, 0, sampler, chance, &mut record),
             Integrator::BsdfOnly => self.cx.bsdf_only(start, sampler, chance, &mut record),
@@ -135,6 +144,13 @@ impl Pixels<'_> {
 
     fn sampler(&self, pixel: UVec2, sample: u32) -> Sampler {
         Sampler::new(self.cx.settings.sampler, self.cx.settings.seed, pixel, sample)
+    }
+
+    /// The random numbers of an additional ray.
+    fn extra_sampler(&self, pixel: UVec2, sample: u32, sub: u32) -> Sampler {
+        let mut sampler = self.sampler(pixel, sample.wrapping_mul(EXTRA_RAYS).wrapping_add(sub));
+        sampler.start_bounce(EXTRA_DIMENSIONS);
+        sampler
     }
 
     fn chance(&self, pixel: UVec2, sample: u32) -> Chance {
@@ -169,11 +185,11 @@ impl Pixels<'_> {
     }
 }
 
-/// One of [`EDGE_RAYS`] rays.
+/// One of [`EXTRA_RAYS`] rays.
 struct Share<'a, S>(&'a mut S);
 
 impl<S: Sink> Sink for Share<'_, S> {
     fn light(&mut self, bounces: u32, light: u32, share: Split) {
-        self.0.light(bounces, light, share.scaled(LinearRgb::splat(1.0 / EDGE_RAYS as f32)));
+        self.0.light(bounces, light, share.scaled(LinearRgb::splat(1.0 / EXTRA_RAYS as f32)));
     }
 }

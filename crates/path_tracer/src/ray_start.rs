@@ -9,7 +9,8 @@
 //! # Terminator
 //! On coarse meshes with smooth normals the facets shadow themselves near the terminator. There, rays start on a smoother surface: the
 //! point is lifted to the mean of its projections on the vertices' tangent planes \[Hanika21]. The smooth surface may pass through other
-//! objects that the mesh only touches; a point whose way up is blocked stays on the mesh. Flat-shaded triangles are not moved.
+//! objects that the mesh only touches; a point whose way up is blocked stays on the mesh. Flat-shaded triangles are not
+//! moved, nor is a point that would rise by less than its own error.
 
 use crate::world::{Placed, World};
 use glam::Vec3;
@@ -31,7 +32,7 @@ impl World {
     fn lifted_start(&self, hit: &Hit, point: &SurfacePoint, normal: Vec3, start: Vec3) -> Vec3 {
         let placed = &self.instances[hit.instance as usize];
         let lifted = placed.lifted(hit, point.position, normal.dot(point.geometric_normal).signum());
-        if lifted == point.position {
+        if lifted.distance_squared(point.position) <= point.error * point.error {
             return start;
         }
         let lifted = offset_origin(lifted, normal, point.error);

@@ -94,8 +94,8 @@ impl Slots {
 pub(crate) struct Record<'a> {
     pub slots: &'a Slots,
     pub channels: &'a mut [f32],
-    /// False where light that has not bounced comes otherwise.
-    pub sees_lamps: bool,
+    /// Light of fewer bounces comes otherwise.
+    pub least_bounces: u32,
 }
 
 impl Record<'_> {
@@ -116,8 +116,13 @@ impl Record<'_> {
 
 impl Sink for Record<'_> {
     #[inline]
+    fn wants(&self, bounces: u32) -> bool {
+        bounces >= self.least_bounces
+    }
+
+    #[inline]
     fn light(&mut self, bounces: u32, light: u32, share: Split) {
-        if bounces == 0 && !self.sees_lamps {
+        if !self.wants(bounces) {
             return;
         }
         let total = share.total();

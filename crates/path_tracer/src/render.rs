@@ -1,7 +1,7 @@
 //! Rendering: passes over all pixels until a stop condition holds.
 
 use crate::camera::CameraView;
-use crate::edges::Edges;
+use crate::extra::Extras;
 use crate::film::{Film, FilmLayout};
 use crate::filter::FilterSampler;
 use crate::fingerprint::fingerprint;
@@ -32,7 +32,8 @@ pub struct Progress {
 
 /// Watches a rendering and may end it. Closures that take a [`Progress`] are controls.
 pub trait Control: Sync {
-    /// Called after every row of pixels, from any thread, also while edges are looked for. [`ControlFlow::Break`] ends the rendering; what has been sampled is kept.
+    /// Called after every row of pixels, from any thread, also while it is decided which of
+    /// them get additional rays. [`ControlFlow::Break`] ends the rendering; what has been sampled is kept.
     fn progress(&self, progress: &Progress) -> ControlFlow<()>;
 
     /// Called between passes with the film so far; the place to save checkpoints.
@@ -99,7 +100,7 @@ pub fn render(
     let cx = Context { world: &tracer.world, lights: &tracer.lights, settings, max_depth };
     let view = CameraView::new(&tracer.world.snapshot.cameras[camera], settings.size);
     let pixels =
-        Pixels { edges: None, cx, view, previous, filter: FilterSampler::new(settings.filter), slots, channels: film.layout.channels };
+        Pixels { extras: None, cx, view, previous, filter: FilterSampler::new(settings.filter), slots, channels: film.layout.channels };
     Run { pixels, stop, control, start, seconds_before: film.seconds }.run(&mut film);
     Ok(film)
 }
@@ -119,7 +120,7 @@ impl Run<'_> {
         let mut error = (film.spp() > 0).then(|| film.uncertainty().0);
         let mut time_per_spp = None;
         film.revise();
-        if self.goal(film, error, time_per_spp).is_none() || self.find_edges(film, error).is_break() {
+        if self.goal(film, error, time_per_spp).is_none() || self.find_extras(film, error).is_break() {
             film.seconds = self.seconds_before + self.start.elapsed().as_secs_f64();
             return;
         }
@@ -137,17 +138,17 @@ impl Run<'_> {
         }
     }
 
-    /// The edges are the same in every run and count among the rays of a film once.
-    fn find_edges(&mut self, film: &mut Film, error: Option<f32>) -> ControlFlow<()> {
+    /// The additional rays are the same in every run; looking for them counts among the rays of a film once.
+    fn find_extras(&mut self, film: &mut Film, error: Option<f32>) -> ControlFlow<()> {
         let (spp, samples) = (film.spp(), film.samples());
         let row = || {
             let elapsed = self.start.elapsed();
             let fraction = self.fraction(samples as f64 / f64::from(film.size.x) / f64::from(film.size.y), elapsed, error);
             self.control.progress(&Progress { spp, samples, fraction, elapsed, relative_standard_error: error })
         };
-        let edges = Edges::find(&self.pixels.cx, &self.pixels.view, row)?;
-        film.rays = film.rays.max(Edges::rays(&self.pixels.cx));
-        self.pixels.edges = edges;
+        let (extras, rays) = Extras::find(&self.pixels.cx, &self.pixels.view, row)?;
+        film.rays = film.rays.max(rays);
+        self.pixels.extras = extras;
         ControlFlow::Continue(())
     }
 

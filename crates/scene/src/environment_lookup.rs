@@ -17,9 +17,17 @@ impl Environment {
 
     /// Radiance that arrives from the unit vector `direction` (pointing away from the viewer), W/(m² sr).
     pub fn radiance(&self, direction: Vec3) -> LinearRgb {
+        match self.image {
+            None => self.scale,
+            Some(_) => self.radiance_at(self.uv(direction)),
+        }
+    }
+
+    /// [`Environment::radiance`] by [image coordinates](Environment::uv).
+    pub fn radiance_at(&self, uv: Vec2) -> LinearRgb {
         match &self.image {
             None => self.scale,
-            Some(image) => LinearRgb(LAT_LONG.lookup(image, self.uv(direction)).truncate()) * self.scale,
+            Some(image) => LinearRgb(LAT_LONG.lookup(image, uv).truncate()) * self.scale,
         }
     }
 

@@ -93,6 +93,11 @@ impl Split {
 
 /// Where an estimator leaves what it finds.
 pub(crate) trait Sink {
+    /// Whether light that bounced `bounces` times is kept; what is not need not be looked for.
+    fn wants(&self, _bounces: u32) -> bool {
+        true
+    }
+
     /// Light of `light` that bounced `bounces` times.
     fn light(&mut self, bounces: u32, light: u32, share: Split);
 }

@@ -52,7 +52,7 @@ impl Context<'_> {
         let mut receiver: Option<Receiver> = None;
         loop {
             self.pass(&TracedRay { ray, hit }, receiver.as_ref(), |t, seen| {
-                let value = seen.radiance * transmittance(absorption, t) * self.weight_of_ray(ray_pdf, seen.pdf);
+                let value = seen.radiance * transmittance(absorption, t) * self.weight_of_ray(bounces, ray_pdf, seen.pdf);
                 sink.light(bounces, seen.light, throughput.scaled(value));
             });
             let Some(found) = hit else { return };
@@ -62,7 +62,7 @@ impl Context<'_> {
             if let Some((light, radiance)) = surface.emission(self.world, self.lights) {
                 let along = (ray.origin, ray.direction, found.t);
                 let pdf = receiver.map_or(0.0, |from| self.lights.pdf_of_surface(self.world, &from, found.primitive_ref(), along));
-                sink.light(bounces, light, throughput.scaled(radiance * self.weight_of_ray(ray_pdf, pdf)));
+                sink.light(bounces, light, throughput.scaled(radiance * self.weight_of_ray(bounces, ray_pdf, pdf)));
             }
             if bounces >= self.max_depth || surface.unlit(self.world) {
                 return;
@@ -72,7 +72,7 @@ impl Context<'_> {
             let view = bsdf.view(surface.frame.to_local(wo));
             sampler.start_bounce(dimensions + bounces);
             let (choice, on_light) = (sampler.next_1d(), sampler.next_2d());
-            if !bsdf.is_delta() {
+            if !bsdf.is_delta() && sink.wants(bounces + 1) {
                 self.direct(&surface, &view, throughput, bounces, absorption, (choice, on_light), chance, sink);
             }
 
@@ -136,12 +136,12 @@ impl Context<'_> {
                 throughput.scaled(f_cos.total() * value)
             };
             let weight = match self.settings.strategy {
-                Strategy::Mis => power_heuristic(self.lights.candidates() as f32 * chosen.sample.pdf, bsdf_pdf),
+                Strategy::Mis => power_heuristic(self.candidates(bounces) as f32 * chosen.sample.pdf, bsdf_pdf),
                 Strategy::Lights => 1.0,
             };
             (!share.total().is_black()).then(|| (chosen, share.scaled(LinearRgb::splat(weight))))
         };
-        let found = match self.lights.candidates() {
+        let found = match self.candidates(bounces) {
             1 => candidate(choice, u),
             many => resampled(many, choice, u, candidate),
         };
@@ -154,11 +154,20 @@ impl Context<'_> {
         }
     }
 
-    /// Weight of light that a ray of density `ray_pdf` met and of which light sampling finds each candidate with `light_pdf`.
+    /// How many candidates light sampling draws after `bounces`. Light sampling alone, the textbook's, draws no more at the first surface than elsewhere.
     #[inline]
-    fn weight_of_ray(&self, ray_pdf: f32, light_pdf: f32) -> f32 {
+    fn candidates(&self, bounces: u32) -> u32 {
         match self.settings.strategy {
-            Strategy::Mis => power_heuristic(ray_pdf, self.lights.candidates() as f32 * light_pdf),
+            Strategy::Mis => self.lights.candidates(bounces),
+            Strategy::Lights => self.lights.candidates(u32::MAX),
+        }
+    }
+
+    /// Weight of light that a ray of density `ray_pdf` met after `bounces` and of which light sampling finds each candidate with `light_pdf`.
+    #[inline]
+    fn weight_of_ray(&self, bounces: u32, ray_pdf: f32, light_pdf: f32) -> f32 {
+        match self.settings.strategy {
+            Strategy::Mis => power_heuristic(ray_pdf, self.candidates(bounces.saturating_sub(1)) as f32 * light_pdf),
             Strategy::Lights => f32::from(u8::from(ray_pdf == f32::INFINITY || light_pdf == 0.0)),
         }
     }

@@ -61,7 +61,7 @@ impl EnvironmentLight {
         };
         let pdf = environment.pdf_from_uv(pdf_uv, uv);
         let wi = environment.direction(uv);
-        (pdf > 0.0).then(|| LightSample { wi, distance: f32::INFINITY, radiance: environment.radiance(wi), pdf })
+        (pdf > 0.0).then(|| LightSample { wi, distance: f32::INFINITY, radiance: environment.radiance_at(uv), pdf })
     }
 
     /// Density per steradian with which [`Self::sample`] finds `direction`.

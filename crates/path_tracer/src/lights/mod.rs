@@ -212,10 +212,10 @@ impl Lights {
         self.shapes = ShapeTree::new(&boxes);
     }
 
-    /// How many candidates light sampling draws, of which it keeps one.
+    /// How many candidates light sampling draws at a surface that light reaches the camera from after `bounces` more, of which it keeps one.
     #[inline]
-    pub(crate) fn candidates(&self) -> u32 {
-        self.selection.candidates()
+    pub(crate) fn candidates(&self, bounces: u32) -> u32 {
+        self.selection.candidates(bounces)
     }
 
     /// A direction towards some light. `None` when the chosen light does not shine there.

@@ -20,6 +20,10 @@ const UNIFORM_CHOICE: f32 = 0.1;
 /// Radiance that a mesh is given which was black wherever it was probed, as a share of the most that its material emits.
 const UNSEEN: f32 = 1e-3;
 
+/// Candidates at the first surface where lights at infinity are among them: of these the choice knows the power alone, not what part of the sky is
+/// reflected there. Further on, where noise is less, another candidate costs more than it brings (docs/performance.md, Whole renders).
+const FIRST_CANDIDATES: u32 = 2;
+
 /// Chooses lights.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Selection {
@@ -35,6 +39,8 @@ pub(super) struct Selection {
     lights: Vec<u32>,
     /// Where each light is chosen.
     places: Vec<Place>,
+    /// An environment is chosen, or a light at infinity among others.
+    far: bool,
 }
 
 /// In the place of a light, the tree.
@@ -100,6 +106,11 @@ impl Selection {
             mix_with_uniform(&mut weights);
         }
         selection.table = AliasTable::new(&weights);
+        selection.far = selection.groups.iter().filter(|&&light| light != TREE).any(|&light| match emitters[light as usize] {
+            Emitter::Environment(_) => true,
+            Emitter::Directional(_) => weights.len() > 1,
+            _ => false,
+        });
         selection
     }
 
@@ -110,9 +121,10 @@ impl Selection {
         shared
     }
 
-    pub(super) fn candidates(&self) -> u32 {
+    pub(super) fn candidates(&self, bounces: u32) -> u32 {
         match self.by {
             LightSampler::Ris { candidates } => candidates.max(1),
+            LightSampler::Bvh if bounces == 0 && self.far => FIRST_CANDIDATES,
             _ => 1,
         }
     }

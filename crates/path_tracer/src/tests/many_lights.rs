@@ -141,7 +141,7 @@ fn resampling_keeps_one_of_many_candidates_and_beats_uniform_choice() {
     let settings = |seed| Settings { strategy: Strategy::Lights, ..direct(seed) };
     let tracer = tracer(&scene).with_light_sampler(LightSampler::Ris { candidates: 32 });
     let film = render(&tracer, &settings(1), Stop::at_spp(64), None, &uncontrolled).expect("a rendering");
-    assert_eq!(film.rays(), 2 * film.samples(), "one camera ray, one shadow ray");
+    assert_eq!(film.rays(), 2 * 32 * 32 + 2 * film.samples(), "one camera ray, one shadow ray, and as many once to look for highlights");
     let resampled = film.develop();
     // Every light for itself, summed.
     let mut sum = vec![Vec3::ZERO; 32 * 32];

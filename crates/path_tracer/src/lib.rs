@@ -23,6 +23,7 @@ mod film;
 mod filter;
 mod fingerprint;
 mod frame;
+mod geometry;
 mod integrator;
 mod lights;
 mod pixels;

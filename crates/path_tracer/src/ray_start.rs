@@ -14,7 +14,7 @@
 
 use crate::world::{Placed, World};
 use glam::Vec3;
-use kajo_bvh::{Filter, Hit, PrimitiveRef, Ray, SurfacePoint, offset_origin};
+use kajo_bvh::{Hit, PrimitiveRef, Ray, SurfacePoint, offset_origin};
 
 /// Least cosine for which a point moves back along its ray all the way: sideways it moves by no more than 1/`GRAZING` of its error.
 const GRAZING: f32 = 1.0 / 256.0;
@@ -55,7 +55,7 @@ impl World {
         let way = to - from;
         let length = way.length();
         let ray = Ray { origin: from, t_min: 0.0, direction: way / length, t_max: length + margin };
-        self.tlas.closest_hit_opaque(&ray, Filter { exclude: Some(leaving), ..Filter::ALL })
+        self.geometry.closest_opaque(&ray, Some(leaving))
     }
 }
 

@@ -93,7 +93,7 @@ impl Tracer {
 
     /// Bytes of the hierarchy.
     pub fn bvh_bytes(&self) -> usize {
-        self.world.tlas.memory()
+        self.world.geometry.memory()
     }
 
     /// Every image that can be asked for, `bounce.<n>` up to `max_bounce`.

@@ -1,10 +1,11 @@
 //! The scene as rays see it: the two-level hierarchy, placed meshes, and materials ready for lookup.
 
 use crate::PathTracerError;
+use crate::geometry::Geometry;
 use crate::points::PointFrame;
 use glam::{Affine3A, Mat3A, Vec3};
 use kajo_bsdf::{AnyBsdf, Bsdf};
-use kajo_bvh::{Blas, BuildOptions, BvhInstance, Filter, Hit, PrimitiveRef, Ray, Tlas};
+use kajo_bvh::{Hit, PrimitiveRef, Ray};
 use kajo_sampling::{hash_u64, unit_f32};
 use kajo_scene::{Material, Mesh, Scene, Snapshot, SurfaceMaterial, SurfaceUv};
 use rayon::prelude::*;
@@ -14,7 +15,7 @@ use std::sync::Arc;
 pub(crate) struct World {
     pub scene: Scene,
     pub snapshot: Snapshot,
-    pub tlas: Tlas,
+    pub geometry: Geometry,
     pub instances: Vec<Placed>,
     pub materials: Vec<MaterialInfo>,
     /// Radius of a sphere around everything, m.
@@ -120,15 +121,6 @@ fn textures(m: &Material) -> [&Option<kajo_scene::TextureRef>; 17] {
 
 impl World {
     pub(crate) fn new(scene: &Scene, snapshot: Snapshot) -> Result<Self, PathTracerError> {
-        let blases = snapshot
-            .meshes
-            .par_iter()
-            .map(|mesh| {
-                Blas::build(&mesh.positions, &mesh.indices, &BuildOptions::default())
-                    .map(Arc::new)
-                    .map_err(|e| PathTracerError::Bvh { mesh: mesh.name.clone(), source: e })
-            })
-            .collect::<Result<Vec<_>, _>>()?;
         let materials: Vec<_> = scene.materials.iter().map(|material| MaterialInfo::new(scene, material)).collect();
         let flat: Vec<bool> = snapshot.meshes.par_iter().map(|mesh| is_flat(mesh)).collect();
         let instances: Vec<_> = snapshot
@@ -156,36 +148,31 @@ impl World {
                 }
             })
             .collect();
-        let placed = snapshot.instances.iter().zip(&instances).map(|(instance, placed)| BvhInstance {
-            opaque: !materials[placed.material as usize].alpha_test,
-            ..BvhInstance::new(instance.mesh, instance.world_from_object)
-        });
-        let tlas = Tlas::build(blases, placed.collect()).map_err(|e| PathTracerError::Bvh { mesh: "(all)".into(), source: e })?;
-        let bounds = tlas.bounds();
+        let opaque: Vec<bool> = instances.iter().map(|placed| !materials[placed.material as usize].alpha_test).collect();
+        let geometry = Geometry::new(&snapshot, &opaque)?;
+        let bounds = geometry.bounds();
         let radius = if bounds.is_empty() { 1.0 } else { 0.5 * (bounds.max - bounds.min).length() };
-        let all_opaque = instances.iter().all(|placed| !materials[placed.material as usize].alpha_test);
-        Ok(Self { scene: scene.clone(), snapshot, tlas, instances, materials, radius, all_opaque })
+        let all_opaque = opaque.iter().all(|&opaque| opaque);
+        Ok(Self { scene: scene.clone(), snapshot, geometry, instances, materials, radius, all_opaque })
     }
 
     /// The nearest surface that is there, by masks and, for blended surfaces, by chance.
     #[inline]
     pub(crate) fn closest(&self, ray: &Ray, leaving: Option<PrimitiveRef>, chance: u64) -> Option<Hit> {
-        let filter = Filter { exclude: leaving, ..Filter::ALL };
         if self.all_opaque {
-            self.tlas.closest_hit_opaque(ray, filter)
+            self.geometry.closest_opaque(ray, leaving)
         } else {
-            self.tlas.closest_hit(ray, filter, |hit| self.is_there(hit, chance))
+            self.geometry.closest(ray, leaving, |hit| self.is_there(hit, chance))
         }
     }
 
     /// Whether something lies on the segment, masks and blended surfaces counting as in [`World::closest`].
     #[inline]
     pub(crate) fn occluded(&self, ray: &Ray, leaving: Option<PrimitiveRef>, chance: u64) -> bool {
-        let filter = Filter { exclude: leaving, ..Filter::ALL };
         if self.all_opaque {
-            self.tlas.any_hit_opaque(ray, filter)
+            self.geometry.any_opaque(ray, leaving)
         } else {
-            self.tlas.any_hit(ray, filter, |hit| self.is_there(hit, chance))
+            self.geometry.any(ray, leaving, |hit| self.is_there(hit, chance))
         }
     }
 
@@ -193,7 +180,7 @@ impl World {
     pub(crate) fn closest_of(&self, rays: &Rays, hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         hits.resize(rays.rays.len(), None);
-        self.tlas.closest_hits(&rays.rays, Filter::ALL, |ray, hit| self.is_there(hit, rays.chances[ray]), hits);
+        self.geometry.closest_of(&rays.rays, |ray, hit| self.is_there(hit, rays.chances[ray]), hits);
     }
 
     /// Whether the surface is there for this ray: the coverage against a number made of the ray's `chance` and the triangle, so that the answer

@@ -124,7 +124,9 @@ impl Adjacency {
 /// Which triangles face a light: at `light.xyz` where w is 1, in the direction `light.xyz` where w is 0, in the coordinates of the mesh. Those that are
 /// seen edge-on do not.
 ///
-///     (b − a) × (c − a) · (light − a) > 0
+/// ```text
+/// (b − a) × (c − a) · (light − a) > 0
+/// ```
 pub fn faces(mesh: &Mesh, light: Vec4) -> Vec<bool> {
     let (light, w) = (light.truncate().as_dvec3(), f64::from(light.w));
     let facing = |corners: &[u32; 3]| {

@@ -1,6 +1,6 @@
 //! The depth of the scene seen from a light: what every shadow map starts from.
 //!
-//! A [`DepthMaps`] belongs to one technique. For each light of a frame it holds a [`Projection`] of one map or six, draws the casters into one
+//! A `DepthMaps` belongs to one technique. For each light of a frame it holds a `Projection` of one map or six, draws the casters into one
 //! texture that the lights use one after the other, and binds what `package::depth_map` declares. A technique adds how it looks a point up.
 
 mod caster;

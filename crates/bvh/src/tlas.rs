@@ -40,6 +40,11 @@ impl BvhInstance {
     pub fn new(blas: usize, world_from_object: Affine3A) -> Self {
         Self { blas, world_from_object, mask: u32::MAX, opaque: true }
     }
+
+    /// Whether the transform is singular to single precision, so that nothing of the instance is hit; see [`Tlas::build`].
+    pub fn is_singular(&self) -> bool {
+        invert(&self.world_from_object).is_none()
+    }
 }
 
 /// An instance as traversal needs it.

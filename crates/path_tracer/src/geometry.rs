@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Triangles of meshes that are joined, at most: a larger mesh has a tree of many levels, to which the upper tree adds little.
 const JOINED: usize = 1 << 20;
 
-/// Size of a mesh's triangles, in units of the last digit of the greatest coordinate, from which on rounding does not change their shape.
+/// Mean size of a mesh's triangles, in units of the last digit of the greatest coordinate, from which on rounding does not change their shape.
 const LARGE: f32 = 4096.0;
 
 pub(crate) struct Geometry {
@@ -35,6 +35,16 @@ enum Held {
     Joined(Vec<PrimitiveRef>),
 }
 
+impl Held {
+    /// The first instance of the world in it.
+    fn first(&self) -> usize {
+        match self {
+            Self::One(instance) => *instance as usize,
+            Self::Joined(triangles) => triangles[0].instance as usize,
+        }
+    }
+}
+
 impl Geometry {
     /// `opaque` says of each instance whether all its hits count.
     ///
@@ -47,7 +57,11 @@ impl Geometry {
         }
         geometry.place(snapshot, opaque)?;
         let Parts { blases, placed, held, places } = geometry;
-        let tlas = Tlas::build(blases, placed).map_err(|e| PathTracerError::Bvh { mesh: "(all)".into(), source: e })?;
+        let failed = |e| match e {
+            BvhError::Transform { instance } => BvhError::Transform { instance: held[instance].first() },
+            e => e,
+        };
+        let tlas = Tlas::build(blases, placed).map_err(|e| PathTracerError::Bvh { mesh: "(all)".into(), source: failed(e) })?;
         Ok(Self { tlas, held, places })
     }
 
@@ -58,7 +72,8 @@ impl Geometry {
     /// Memory of the hierarchy, bytes.
     pub(crate) fn memory(&self) -> usize {
         let joined = |held: &Held| if let Held::Joined(triangles) = held { size_of_val(triangles.as_slice()) } else { 0 };
-        self.tlas.memory() + self.held.iter().map(joined).sum::<usize>()
+        let tables = size_of_val(&self.places[..]) + size_of_val(&self.held[..]);
+        self.tlas.memory() + tables + self.held.iter().map(joined).sum::<usize>()
     }
 
     /// The nearest hit that `accept` takes, but for `exclude`; hits of opaque instances are not asked for.
@@ -184,12 +199,16 @@ impl Parts {
     }
 }
 
-/// The vertices of an instance in the world's space; `None` where rounding would change the shape of its triangles.
+/// The vertices of an instance in the world's space; `None` where rounding would change the shape of its triangles, and for a singular transform, under
+/// which nothing is hit.
 fn corners_in_world(snapshot: &Snapshot, index: usize) -> Option<Vec<Vec3>> {
     let instance = &snapshot.instances[index];
     let mesh = &snapshot.meshes[instance.mesh];
     if instance.world_from_object == glam::Affine3A::IDENTITY {
         return Some(mesh.positions.clone());
+    }
+    if BvhInstance::new(0, instance.world_from_object).is_singular() {
+        return None;
     }
     let corners: Vec<Vec3> = mesh.positions.iter().map(|&corner| instance.world_from_object.transform_point3(corner)).collect();
     let (low, high) = corners.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &corner| (low.min(corner), high.max(corner)));
@@ -201,7 +220,7 @@ fn corners_in_world(snapshot: &Snapshot, index: usize) -> Option<Vec<Vec3>> {
 mod tests {
     use super::*;
     use crate::tests::scenes::{Stage, at, floor, lambert};
-    use glam::{Affine3A, Quat};
+    use glam::Quat;
     use kajo_sampling::Rng;
     use kajo_scene::{AlphaMode, Instance, Material, Scene, Transform, shapes};
 
@@ -231,44 +250,58 @@ mod tests {
         scene
     }
 
+    /// Which of them have no holes.
+    const SOLID: [bool; 7] = [true, true, true, false, false, true, true];
+
     /// The hierarchy without any meshes joined.
     fn apart(snapshot: &Snapshot) -> Tlas {
         let build = |mesh: &Arc<Mesh>| Arc::new(Blas::build(&mesh.positions, &mesh.indices, &BuildOptions::default()).unwrap());
-        let place = |instance: &Instance| BvhInstance { opaque: false, ..BvhInstance::new(instance.mesh, instance.world_from_object) };
-        Tlas::build(snapshot.meshes.iter().map(build).collect(), snapshot.instances.iter().map(place).collect()).unwrap()
+        let place =
+            |(instance, opaque): (&Instance, bool)| BvhInstance { opaque, ..BvhInstance::new(instance.mesh, instance.world_from_object) };
+        Tlas::build(snapshot.meshes.iter().map(build).collect(), snapshot.instances.iter().zip(SOLID).map(place).collect()).unwrap()
     }
 
-    /// Share of rays on which joined and single meshes differ, also in what lies behind the nearest hit; `shift` plants a fault.
+    /// Share of rays on which joined and single meshes differ, also in what lies behind the nearest hit. What has holes is there for every other triangle;
+    /// `shift` plants a fault.
     fn differences(geometry: &Geometry, apart: &Tlas, shift: u32) -> f64 {
-        let (mut rng, mut wrong, mut hits) = (Rng::new(3), 0, 0);
-        for _ in 0..20_000 {
+        let (mut rng, mut wrong) = (Rng::new(3), 0);
+        let is_there = |hit: &Hit| hit.primitive % 2 == 0;
+        let ray = |rng: &mut Rng| {
             let mut point = |scale: f32| (Vec3::from_array([(); 3].map(|()| rng.next_1d())) - 0.5) * scale;
             let (from, to) = (point(6.0) + Vec3::Y * 2.0, point(2.5));
-            let ray = Ray::new(from, (to - from).normalize());
-            let Some(first) = apart.closest_hit(&ray, Filter::ALL, |_| true) else { continue };
-            let exclude = Some(first.primitive_ref());
-            let second = apart.closest_hit(&ray, Filter { exclude, ..Filter::ALL }, |_| true);
-            let mut near = Some(first.primitive_ref());
-            near.as_mut().unwrap().primitive ^= shift;
-            let same = |a: Option<Hit>, b: Option<Hit>| match (a, b) {
-                (Some(a), Some(b)) => a.primitive_ref() == b.primitive_ref() && (a.t - b.t).abs() < 1e-5 * b.t && (a.u - b.u).abs() < 1e-3,
-                (a, b) => a.is_none() && b.is_none(),
-            };
-            let agrees = same(geometry.closest(&ray, None, |_| true), Some(first))
-                && same(geometry.closest_opaque(&ray, near), second)
-                && geometry.any(&ray, near, |_| true) == second.is_some()
-                && geometry.any(&ray, None, |hit| hit.primitive_ref() == first.primitive_ref());
-            wrong += u32::from(!agrees);
-            hits += 1;
+            Ray::new(from, (to - from).normalize())
+        };
+        let rays: Vec<Ray> = (0..20_000).map(|_| ray(&mut rng)).filter(|ray| apart.any_hit_opaque(ray, Filter::ALL)).collect();
+        assert!(rays.len() > 10_000, "{}", rays.len());
+        let mut together = vec![None; rays.len()];
+        for (rays, hits) in rays.chunks(16).zip(together.chunks_mut(16)) {
+            geometry.closest_of(rays, |_, hit| is_there(hit), hits);
         }
-        assert!(hits > 10_000, "{hits}");
-        f64::from(wrong) / f64::from(hits)
+        let same = |a: Option<Hit>, b: Option<Hit>| match (a, b) {
+            (Some(a), Some(b)) => a.primitive_ref() == b.primitive_ref() && (a.t - b.t).abs() < 1e-5 * b.t && (a.u - b.u).abs() < 1e-3,
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        for (ray, found) in rays.iter().zip(together) {
+            let solid = apart.closest_hit_opaque(ray, Filter::ALL);
+            let first = apart.closest_hit(ray, Filter::ALL, is_there);
+            let exclude = first.map(|hit| hit.primitive_ref());
+            let second = apart.closest_hit(ray, Filter { exclude, ..Filter::ALL }, is_there);
+            let near = exclude.map(|PrimitiveRef { instance, primitive }| PrimitiveRef { instance, primitive: primitive ^ shift });
+            let agrees = same(geometry.closest_opaque(ray, None), solid)
+                && geometry.any_opaque(ray, None)
+                && same(geometry.closest(ray, None, is_there), first)
+                && same(found, first)
+                && same(geometry.closest(ray, near, is_there), second)
+                && geometry.any(ray, near, is_there) == second.is_some();
+            wrong += u32::from(!agrees);
+        }
+        f64::from(wrong) / rays.len() as f64
     }
 
     #[test]
     fn joined_meshes_are_hit_as_single_ones_are_and_a_planted_fault_is_seen() {
         let snapshot = snapshot(&bodies());
-        let (geometry, apart) = (Geometry::new(&snapshot, &[true, true, true, false, false, true, true]).unwrap(), apart(&snapshot));
+        let (geometry, apart) = (Geometry::new(&snapshot, &SOLID).unwrap(), apart(&snapshot));
         let joined = geometry.held.iter().filter(|held| matches!(held, Held::Joined(_))).count();
         assert_eq!((joined, geometry.held.len()), (2, 4), "solid bodies, those with holes, and the two that share a mesh");
         let wrong = differences(&geometry, &apart, 0);
@@ -288,6 +321,18 @@ mod tests {
             Geometry::new(&snapshot(&stage.0), &[true; 2]).unwrap().held.len()
         };
         assert_eq!((far(1.0), far(1e5)), (1, 2));
-        assert_eq!(snapshot(&bodies()).instances[0].world_from_object, Affine3A::IDENTITY);
+    }
+
+    #[test]
+    fn flattened_meshes_are_hit_neither_alone_nor_among_others() {
+        let flat = Transform::Trs { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::new(1.0, 0.0, 1.0) };
+        let stage = Stage::default().mesh(shapes::sphere(1.0, 16), lambert(0.5), flat);
+        let ray = Ray::new(Vec3::new(0.1, 2.0, 0.2), Vec3::NEG_Y);
+        for (stage, solid) in
+            [(stage.clone(), 1), (stage.mesh(floor(), lambert(0.5), at(Vec3::NEG_Y)).mesh(floor(), lambert(0.5), at(Vec3::NEG_Y * 2.0)), 3)]
+        {
+            let geometry = Geometry::new(&snapshot(&stage.0), &vec![true; solid]).unwrap();
+            assert!(geometry.closest_opaque(&ray, None).is_none_or(|hit| hit.instance == 1), "{solid} meshes");
+        }
     }
 }

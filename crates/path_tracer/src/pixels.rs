@@ -121,9 +121,8 @@ impl Pixels<'_> {
             Extra::Nothing => {}
             Extra::Lamps => self.cx.emission(start, sink),
             Extra::Direct => {
-                let direct = Context { max_depth: self.cx.max_depth.min(1), ..self.cx };
                 let mut sampler = self.extra_sampler(sample.pixel, sample.number, sub);
-                direct.path(start, EXTRA_DIMENSIONS + 1, &mut sampler, &mut sample.chance, sink);
+                self.cx.direct_only().path(start, EXTRA_DIMENSIONS + 1, &mut sampler, &mut sample.chance, sink);
             }
         }
     }
@@ -133,6 +132,8 @@ impl Pixels<'_> {
         let (sampler, chance) = (&mut sample.sampler, &mut sample.chance);
         let mut record = Record { slots: &self.slots, channels, least_bounces: sample.extra.least_bounces() };
         match self.cx.settings.integrator {
+            // Additional rays bring all light that there is.
+            Integrator::Path | Integrator::Direct if sample.extra.least_bounces() > self.cx.max_depth => {}
             Integrator::Path | Integrator::Direct => self.cx.path(start, 0, sampler, chance, &mut record),
             Integrator::BsdfOnly => self.cx.bsdf_only(start, sampler, chance, &mut record),
             quick => record.add(0, self.quick(quick, start, sampler, chance)),
@@ -191,5 +192,61 @@ struct Share<'a, S>(&'a mut S);
 impl<S: Sink> Sink for Share<'_, S> {
     fn light(&mut self, bounces: u32, light: u32, share: Split) {
         self.0.light(bounces, light, share.scaled(LinearRgb::splat(1.0 / EXTRA_RAYS as f32)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::FilmLayout;
+    use crate::tests::scenes::{cornell, sized, tracer};
+    use crate::{Settings, Tracer};
+
+    impl<'a> Pixels<'a> {
+        /// The pixels of the first camera without additional rays.
+        pub(crate) fn of(tracer: &'a Tracer, settings: &'a Settings, layout: &FilmLayout) -> Self {
+            Self {
+                extras: None,
+                cx: Context { world: &tracer.world, lights: &tracer.lights, settings, max_depth: settings.max_depth },
+                view: CameraView::new(&tracer.world.snapshot.cameras[0], settings.size),
+                previous: None,
+                filter: FilterSampler::new(settings.filter),
+                slots: Slots::new(layout, &tracer.lights).unwrap(),
+                channels: layout.channels,
+            }
+        }
+    }
+
+    /// Number of times that light came, by bounces.
+    #[derive(Default)]
+    struct Bounces([u32; 8]);
+
+    impl Sink for Bounces {
+        fn light(&mut self, bounces: u32, _light: u32, _share: Split) {
+            self.0[bounces as usize] += 1;
+        }
+    }
+
+    /// What they bring is what the path of the sample leaves out: nothing twice, nothing lost.
+    #[test]
+    fn additional_rays_bring_the_light_that_paths_leave_to_them() {
+        let (tracer, settings) = (tracer(&cornell()), Settings { max_depth: 5, ..sized(32, 32) });
+        let pixels = Pixels::of(&tracer, &settings, &FilmLayout::new(&[]));
+        for extra in [Extra::Lamps, Extra::Direct] {
+            let (mut brought, mut all) = (Bounces::default(), Bounces::default());
+            for pixel in (0..32).flat_map(|y| (0..32).map(move |x| UVec2::new(x, y))) {
+                let (sampler, chance) = (pixels.sampler(pixel, 0), pixels.chance(pixel, 0));
+                let mut sample = Sample { pixel, number: 0, sampler, chance, extra };
+                let ray = pixels.camera_ray(pixel, &mut sample.sampler);
+                let start = TracedRay { ray, hit: pixels.cx.world.closest(&ray, None, 0) };
+                pixels.extra(&mut sample, 0, start, &mut brought);
+                pixels.cx.path(start, 0, &mut sample.sampler, &mut sample.chance, &mut all);
+            }
+            let least = extra.least_bounces() as usize;
+            for bounces in 0..=5 {
+                assert_eq!(brought.0[bounces] > 0, bounces < least, "{extra:?}, {bounces}: {:?}", brought.0);
+                assert!(all.0[bounces] > 0, "{:?}", all.0);
+            }
+        }
     }
 }

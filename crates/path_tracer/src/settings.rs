@@ -191,6 +191,8 @@ impl EnvironmentSampler {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum LightSampler {
     /// A tree over all lights and emissive triangles, by how much light can arrive at the surface.    \[Estevez18]
+    /// Where an image of light is among them, or a light at infinity among others, two candidates are drawn at the first surface, of which one is kept by
+    /// how much unshadowed light it reflects to the viewer.    \[Talbot05]
     #[default]
     Bvh,
     /// By power, wherever the surface is; a tenth of the choices ignores power, too.
@@ -263,6 +265,7 @@ pub struct Stop {
     /// Samples per pixel, those of a resumed film included.
     pub spp: Option<u32>,
     /// Wall-clock time of this run. It is looked at between passes, whose length is chosen to fit; the first pass is always made.
+    /// The search for highlights counts.
     pub time: Option<Duration>,
     /// Relative standard error of the image, see [`Frame::relative_standard_error`](crate::Frame::relative_standard_error).
     pub noise: Option<f32>,

@@ -41,6 +41,13 @@ impl Context<'_> {
     }
 }
 
+impl Context<'_> {
+    /// The same for light of at most one bounce.
+    pub(crate) fn direct_only(self) -> Self {
+        Self { max_depth: self.max_depth.min(1), ..self }
+    }
+}
+
 /// A ray with the nearest surface on it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TracedRay {

@@ -4,7 +4,8 @@
 //! L(x, ωo) = Le + ∫ f(ωi, ωo) L(x, ωi) |cos θi| dωi                                 [Kajiya86] eq. 1
 //! ```
 //!
-//! Both strategies find direct light; each contribution weighs w = p² / (p² + p_other²), the power heuristic \[Veach98] eq. 9.11.
+//! Both strategies find direct light; each contribution weighs w = p² / (p² + p_other²), the power heuristic \[Veach98] eq. 9.11. Where light sampling
+//! draws M candidates, its p is M times the density of one.
 //! Transmissive surfaces block shadow rays, so caustics come from BSDF sampling alone. A volume absorbs by the Beer-Lambert law
 //! between entering and leaving it; volumes do not nest: leaving any surface outwards ends the absorption.
 
@@ -159,7 +160,7 @@ impl Context<'_> {
     fn candidates(&self, bounces: u32) -> u32 {
         match self.settings.strategy {
             Strategy::Mis => self.lights.candidates(bounces),
-            Strategy::Lights => self.lights.candidates(u32::MAX),
+            Strategy::Lights => self.lights.candidates(1),
         }
     }
 

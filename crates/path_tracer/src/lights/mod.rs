@@ -212,7 +212,7 @@ impl Lights {
         self.shapes = ShapeTree::new(&boxes);
     }
 
-    /// How many candidates light sampling draws at a surface that light reaches the camera from after `bounces` more, of which it keeps one.
+    /// How many candidates light sampling draws at a surface that the path reached after `bounces`, of which it keeps one.
     #[inline]
     pub(crate) fn candidates(&self, bounces: u32) -> u32 {
         self.selection.candidates(bounces)

@@ -95,7 +95,7 @@ impl Control for Impatient {
 #[test]
 fn cancelled_films_are_usable_and_can_be_finished() {
     let tracer = tracer(&cornell());
-    // While edges are looked for, row by row, there is no sample yet, nor a ray that counts.
+    // While it is decided which pixels get additional rays, row by row, there is no sample yet, nor a ray that counts.
     let early = render(&tracer, &settings(), Stop::at_spp(13), None, &Impatient::after(7)).unwrap();
     assert_eq!((early.samples(), early.rays()), (0, 0));
     assert!(early.develop().beauty().pixels().iter().all(|p| p.is_finite()));

@@ -322,3 +322,22 @@ fn every_light_of_a_scene_can_be_chosen() {
     }
     assert_eq!(seen.iter().filter(|&&count| count > 0).count(), 25, "whirls of which some ember was found");
 }
+
+/// What the choice knows nothing of, the sky's image and suns among lamps, is looked for twice at the first surface.
+#[test]
+fn the_first_surface_has_two_candidates_for_the_sky_and_for_suns_among_lamps() {
+    let sun = |stage: Stage| stage.light(LightShape::Directional { half_angle: Radians(0.0) }, 1.0, downwards(Vec3::ZERO));
+    let lamp = |stage: Stage| stage.light(LightShape::Point, 1.0, at(Vec3::Y));
+    let floor = || Stage::default().mesh(floor(), lambert(0.5), at(Vec3::ZERO));
+    let under_sky = Scene { environment: Some(sky(8, 4)), ..floor().0 };
+    for (name, scene, first) in
+        [("sky", under_sky, 2), ("sun and lamp", lamp(sun(floor())).0, 2), ("sun", sun(floor()).0, 1), ("lamps", lamp(lamp(floor())).0, 1)]
+    {
+        let tracer = tracer(&scene);
+        assert_eq!([0, 1, 2].map(|bounces| tracer.lights.candidates(bounces)), [first, 1, 1], "{name}");
+        for (sampler, all) in [(LightSampler::Power, 1), (LightSampler::Ris { candidates: 3 }, 3)] {
+            let tracer = self::tracer(&scene).with_light_sampler(sampler);
+            assert_eq!([0, 1].map(|bounces| tracer.lights.candidates(bounces)), [all; 2], "{name}, {sampler:?}");
+        }
+    }
+}

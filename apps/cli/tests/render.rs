@@ -118,3 +118,23 @@ fn adaptive_samples_can_be_looked_at_and_resumed() {
     let mean = counts.iter().sum::<f32>() / counts.len() as f32;
     assert!((mean - 64.0).abs() < 3.0 && counts.iter().any(|&n| n < 40.0) && counts.iter().any(|&n| n > 128.0), "mean {mean}");
 }
+
+#[test]
+fn debug_views_are_files_named_by_picture_and_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = |technique: &'static str, to: &'static str| {
+        let scene = ["render", "builtin:shadows", "--size", "32x18", "--renderer", "realtime", "-o", "a.png", "--technique", technique];
+        [&scene[..], &["--debug", to]].concat()
+    };
+    succeed(folder.path(), &words("direct-visibility=shadow/map:resolution=64", "map"));
+    let files = std::fs::read_dir(folder.path().join("map")).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
+    let files: Vec<String> = files.collect();
+    for name in ["light-depth.0.", "camera-depth.0.", "reprojection.0."] {
+        for kind in [".png", ".exr"] {
+            assert!(files.iter().any(|file| file.starts_with(name) && file.ends_with(kind)), "{name}…{kind}: {files:?}");
+        }
+    }
+    let said = run(folder.path(), &words("direct-visibility=shadow/none", "none"));
+    assert!(said.status.success() && !folder.path().join("none").exists(), "{said:?}");
+    assert!(String::from_utf8_lossy(&said.stderr).contains("shadow/none has no debug views"), "{said:?}");
+}

@@ -13,6 +13,7 @@ mod shadow_bias;
 mod shadow_leaks;
 mod shadow_perception;
 mod shadow_samples;
+mod shadow_wedges;
 
 pub use findings::{Claim, Findings, Picture, Table};
 pub use plot::{Plot, Scale, Series, svg};
@@ -41,8 +42,15 @@ pub struct Study {
 }
 
 /// In the order of every list.
-pub const ALL: &[Study] =
-    &[shadow_bias::STUDY, shadow_aliasing::STUDY, light_depth::STUDY, shadow_leaks::STUDY, shadow_samples::STUDY, shadow_perception::STUDY];
+pub const ALL: &[Study] = &[
+    shadow_bias::STUDY,
+    shadow_aliasing::STUDY,
+    light_depth::STUDY,
+    shadow_leaks::STUDY,
+    shadow_samples::STUDY,
+    shadow_wedges::STUDY,
+    shadow_perception::STUDY,
+];
 
 /// What a study is given.
 pub struct Bench<'a> {
@@ -182,6 +190,13 @@ mod tests {
     #[test]
     fn leaks_are_reported_for_each_method() {
         holds("shadow-leaks");
+    }
+
+    /// Row SH-16.
+    #[test]
+    fn the_report_shows_that_wedges_err_more_under_larger_lights() {
+        let findings = holds("shadow-wedges");
+        assert_eq!(findings.pictures.len(), 4, "wedges and rays for each occluder");
     }
 
     /// Row SH-19.

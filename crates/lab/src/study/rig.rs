@@ -86,22 +86,26 @@ impl Rig {
         self.size
     }
 
-    /// One frame with `ID[:param=value,…]`, G-buffer and debug views included.
+    /// One frame with `ID[:param=value,…]`, G-buffer included.
     ///
     /// # Errors
     /// When the technique cannot run.
     pub fn frame(&mut self, technique: &str) -> Result<FrameOutput, LabError> {
-        self.frame_number(technique, 0)
+        self.run(technique, false)
     }
 
-    /// The frame with another number: other random numbers.
+    /// The frame with the technique's debug views.
     ///
     /// # Errors
     /// As [`Self::frame`].
-    pub fn frame_number(&mut self, technique: &str, index: u32) -> Result<FrameOutput, LabError> {
+    pub fn debug_frame(&mut self, technique: &str) -> Result<FrameOutput, LabError> {
+        self.run(technique, true)
+    }
+
+    fn run(&mut self, technique: &str, debug: bool) -> Result<FrameOutput, LabError> {
         let (technique, params) = kajo_techniques::parse(technique)?;
         self.renderer.set_snapshot(&self.snapshot, &self.snapshot).map_err(not_measured)?;
-        let settings = FrameSettings { gbuffer: true, debug: true, index, ..FrameSettings::default() };
+        let settings = FrameSettings { gbuffer: true, debug, ..FrameSettings::default() };
         self.renderer.render(&RoleSelection::new().with(technique, params), &settings).map_err(not_measured)
     }
 

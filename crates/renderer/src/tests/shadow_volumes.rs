@@ -9,7 +9,8 @@ use kajo_path_tracer::{Aov, Pixels};
 use kajo_render_graph::Device;
 use kajo_scene::{AlphaMode, LightShape, Material, Mesh, Projection, Scene, Snapshot, builtin, shapes};
 use kajo_techniques::DebugPixels;
-use kajo_units::{Meters, Radians, Seconds};
+use kajo_units::{LinearRgb, Meters, Radians, Seconds};
+use std::collections::BTreeSet;
 
 /// Visibility of each light by rays from pixel centres, and what each pixel shows.
 struct Rays {
@@ -30,7 +31,7 @@ fn rays(scene: &Scene, size: UVec2) -> Rays {
 }
 
 /// Pixels of a light more than one pixel off the border of its shadow that differ. Where rays and rasteriser see different triangles, at the outlines of
-/// things, nothing can be said.
+/// things, nothing can be said; most of what the rays see must be compared all the same.
 fn mismatches(out: &FrameOutput, rays: &Rays, light: usize) -> Vec<UVec2> {
     let truth = |x, y| *rays.visibility[light].get(x, y);
     let seen = out.gbuffer.as_ref().expect("asked for");
@@ -38,8 +39,11 @@ fn mismatches(out: &FrameOutput, rays: &Rays, light: usize) -> Vec<UVec2> {
         let id = seen.instance.get(p.x, p.y).map_or(-1.0, |id| id as f32);
         id >= 0.0 && id == *rays.instance.get(p.x, p.y) && seen.normal.get(p.x, p.y).dot(*rays.normal.get(p.x, p.y)) > 0.999
     };
-    let differs = |p: &UVec2| same(p) && (out.visibility[light].get(p.x, p.y) - truth(p.x, p.y)).abs() > 0.5;
-    off_border(&truth, out.visibility[light].size()).into_iter().filter(differs).collect()
+    let differs = |p: &UVec2| (out.visibility[light].get(p.x, p.y) - truth(p.x, p.y)).abs() > 0.5;
+    let compared: Vec<UVec2> = off_border(&truth, out.visibility[light].size()).into_iter().filter(same).collect();
+    let surfaces = rays.instance.pixels().iter().filter(|id| **id >= 0.0).count();
+    assert!(2 * compared.len() > surfaces, "light {light}: {} of {surfaces} pixels of surfaces are compared", compared.len());
+    compared.into_iter().filter(differs).collect()
 }
 
 fn shadowed(rays: &Rays, light: usize) -> usize {
@@ -151,8 +155,23 @@ fn many_volumes_over_each_other_are_counted() {
         let most = counts.pixels().iter().copied().fold(0.0, f32::max);
         // A body that the near plane cuts throws the volumes of both of its halves.
         assert!((12.0..=26.0).contains(&most), "{most} volumes");
+        // Each volume around a visible point has at least one fragment there.
+        let fragments = out.statistics.iter().find(|s| s.name == "stencil fragments").expect("reported").value;
+        let volumes: f64 = counts.pixels().iter().map(|&n| f64::from(n)).sum();
+        assert!(fragments as f64 >= volumes && volumes > 1e4, "{fragments} fragments of {volumes} volumes");
         let names: Vec<&str> = out.debug.iter().map(|view| view.name).collect();
         assert_eq!(names, ["stencil-count", "silhouettes", "shadow-volumes"]);
+        let colors = |name: &str| match &out.debug.iter().find(|view| view.name == name).expect("listed").pixels {
+            DebugPixels::Color(image) => image.clone(),
+            other => panic!("{other:?}"),
+        };
+        let (silhouettes, volumes) = (colors("silhouettes"), colors("shadow-volumes"));
+        // Edges are drawn over the scene; volumes tint it red and blue.
+        let distinct =
+            |image: &Image<LinearRgb>| image.pixels().iter().map(|c| c.0.to_array().map(f32::to_bits)).collect::<BTreeSet<_>>().len();
+        assert!(distinct(&silhouettes) > 8 && distinct(&volumes) > 8, "{} {}", distinct(&silhouettes), distinct(&volumes));
+        let differ = silhouettes.pixels().iter().zip(volumes.pixels()).filter(|(a, b)| a != b).count();
+        assert!(differ * 20 > size.element_product() as usize, "volumes cover {differ} pixels more than edges");
     }
 }
 

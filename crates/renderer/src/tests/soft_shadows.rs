@@ -56,3 +56,20 @@ fn multi_sampled_shadows_have_few_levels_and_converge() {
         assert!(errors[1] < 0.5 * errors[0] && errors[2] < 0.6 * errors[1] && errors[2] < 0.01, "{shape:?}: {errors:?}");
     }
 }
+
+/// Row SH-15: the numbers of samples of the article's pictures, a small light with 128 and a larger one with 1024, against 1024 rays a pixel.
+#[test]
+fn the_articles_numbers_of_samples_make_smooth_penumbrae() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(48, 36);
+    for (width, samples) in [(0.25, 128u32), (1.0, 1024)] {
+        let scene = board(LightShape::Rectangle { width: Meters(width), height: Meters(0.6 * width) });
+        let truth = visibility(&scene, size, 1024);
+        let samples_text = samples.to_string();
+        let out = frame(&device, &scene, size, "shadow/multi-sample", &[("samples", &samples_text), ("resolution", "512")]);
+        let levels: BTreeSet<u32> = out.visibility[0].pixels().iter().map(|v| v.to_bits()).collect();
+        assert!(levels.len() <= samples as usize + 1 && levels.len() > 50, "{} levels of {samples} samples", levels.len());
+        let error = rmse(out.visibility[0].pixels(), &truth);
+        assert!(error < 0.005, "{samples} samples: {error}");
+    }
+}

@@ -39,6 +39,11 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
         frame.ignored.iter().for_each(|ignored| eprintln!("note: {ignored}"));
     }
     if let Some(folder) = &arguments.debug {
+        if frame.debug.is_empty() && !common.quiet {
+            let id =
+                roles.technique(Role::DirectVisibility).map_or("the technique of the role direct visibility", |technique| technique.id);
+            eprintln!("note: {id} has no debug views; nothing is written to {}", folder.display());
+        }
         write_debug_views(folder, &frame.debug, renderer.light_names())?;
     }
     let stats = stats(&device, &renderer, &roles, &frame, begin.elapsed().as_secs_f64());
@@ -59,11 +64,15 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     output::text(&format!("{}: {:.2} ms on {}\n", output.display(), frame.timings.total_ms(), device.info().name))
 }
 
-/// Writes each picture twice: as a display shows it, and with its numbers.
+/// Writes each picture twice: as a display shows it, and with its numbers. The light's number in its name tells lights whose names look alike in a file's;
+/// without pictures no folder is made.
 fn write_debug_views(folder: &Path, views: &[DebugView], lights: &[String]) -> Outcome {
+    if views.is_empty() {
+        return Ok(());
+    }
     std::fs::create_dir_all(folder).map_err(|reason| Failure::run(format!("cannot make the folder {}: {reason}", folder.display())))?;
     for view in views {
-        let name = format!("{}.{}", view.name, slug(&lights[view.light as usize]));
+        let name = format!("{}.{}.{}", view.name, view.light, slug(&lights[view.light as usize]));
         let picture = view.pixels.to_color();
         write_png(&folder.join(format!("{name}.png")), &tone_map(&picture, 0.0, ToneMap::Linear), &provenance())?;
         let mut file = ExrFile::new(picture.size());

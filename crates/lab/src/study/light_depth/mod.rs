@@ -39,7 +39,7 @@ fn run(bench: &Bench) -> Result<Findings, LabError> {
     let mut series = Vec::new();
     for (index, (layout, precision)) in variants.into_iter().enumerate() {
         bench.at(layout, index as f64 / variants.len() as f64)?;
-        let frame = rig.frame(&format!("shadow/map:resolution={RESOLUTION},kernel=0,depth={layout},precision={precision}"))?;
+        let frame = rig.debug_frame(&format!("shadow/map:resolution={RESOLUTION},kernel=0,depth={layout},precision={precision}"))?;
         let view = frame.debug.iter().find(|view| view.name == "light-depth").expect("shadow maps show their depth");
         let DebugPixels::Scalar(depth) = &view.pixels else { unreachable!("depth is a quantity") };
         let errors = errors(depth.pixels());

@@ -42,7 +42,9 @@ const NEAREST: f32 = 1.0 / 512.0;
 
 /// Ends of the cascades, m: a mean of equal lengths and equal factors.    \[Zhang06\] eq. 3
 ///
-///     C_i = λ n (f/n)^(i/m) + (1 − λ) (n + (f − n) i/m)
+/// ```text
+/// C_i = λ n (f/n)^(i/m) + (1 − λ) (n + (f − n) i/m)
+/// ```
 fn ends(frustum: &Frustum, params: &Params) -> Vec<f32> {
     let mut far = if params.distance.0 > 0.0 { params.distance.0.min(frustum.far) } else { frustum.far };
     if params.stable && params.distance.0 == 0.0 {

@@ -6,12 +6,12 @@ use crate::{DebugPixels, DebugView, Error, FrameContext};
 use glam::{UVec2, Vec3};
 use kajo_image::Image;
 use kajo_render_graph::wgpu;
-use kajo_render_graph::{Device, PassContext, readback, slot};
+use kajo_render_graph::{Buffer, Device, PassContext, readback, slot};
 
 /// Copies for one light.
 pub(super) struct Copies {
-    light: wgpu::Buffer,
-    camera: wgpu::Buffer,
+    light: Buffer,
+    camera: Buffer,
 }
 
 /// Bytes of a row of a copied texture.
@@ -27,45 +27,32 @@ fn texel_bytes(precision: Precision) -> u32 {
 }
 
 impl Copies {
-    pub fn new(device: &Device, [resolution, faces]: [u32; 2], size: UVec2, precision: Precision) -> Self {
-        let buffer = |bytes: u32| {
-            device.wgpu.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("depth map copy"),
-                size: u64::from(bytes),
-                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            })
+    pub fn new(device: &Device, [resolution, faces]: [u32; 2], size: UVec2, precision: Precision) -> Result<Self, Error> {
+        let buffer = |row: u32, rows: u32| {
+            let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+            device.buffer("depth map copy", u64::from(row) * u64::from(rows), usage)
         };
-        Self {
-            light: buffer(row_bytes(resolution, texel_bytes(precision)) * resolution * faces),
-            camera: buffer(row_bytes(size.x, 4) * size.y),
-        }
+        Ok(Self {
+            light: buffer(row_bytes(resolution, texel_bytes(precision)), resolution * faces)?,
+            camera: buffer(row_bytes(size.x, 4), size.y)?,
+        })
     }
 
     /// Copies the map of a light, as it was just drawn, and the depth of the camera.
     pub fn take(&self, maps: &DepthMaps, faces: u32, pass: &mut PassContext) -> Result<(), kajo_render_graph::Error> {
-        let mut copy = |texture: &wgpu::Texture, layers: u32, texel: u32, buffer: &wgpu::Buffer| {
+        let camera = pass.texture(slot::DEPTH)?.wgpu.clone();
+        let mut copy = |texture: &wgpu::Texture, layers: u32, texel: u32, buffer: &Buffer| {
             let (width, height) = (texture.width(), texture.height());
             let layout =
                 wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes(width, texel)), rows_per_image: Some(height) };
             pass.encoder.copy_texture_to_buffer(
                 wgpu::TexelCopyTextureInfo { aspect: wgpu::TextureAspect::DepthOnly, ..texture.as_image_copy() },
-                wgpu::TexelCopyBufferInfo { buffer, layout },
+                wgpu::TexelCopyBufferInfo { buffer: &buffer.wgpu, layout },
                 wgpu::Extent3d { width, height, depth_or_array_layers: layers },
             );
         };
         copy(&maps.caster.depth().wgpu, faces, texel_bytes(maps.settings.precision), &self.light);
-        let camera = pass.texture(slot::DEPTH)?.wgpu.clone();
-        let mut copy_camera = |texture: &wgpu::Texture, buffer: &wgpu::Buffer| {
-            let layout =
-                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes(texture.width(), 4)), rows_per_image: None };
-            pass.encoder.copy_texture_to_buffer(
-                wgpu::TexelCopyTextureInfo { aspect: wgpu::TextureAspect::DepthOnly, ..texture.as_image_copy() },
-                wgpu::TexelCopyBufferInfo { buffer, layout },
-                wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() },
-            );
-        };
-        copy_camera(&camera, &self.camera);
+        copy(&camera, 1, 4, &self.camera);
         Ok(())
     }
 }
@@ -82,7 +69,7 @@ impl DepthMaps {
         for (layer, copies) in self.copies.iter().enumerate() {
             let projection = &self.projections[layer];
             let light_depth = self.light_depth(frame.device, copies, projection)?;
-            let camera: Vec<f32> = readback::read_buffer(frame.device, &copies.camera)?;
+            let camera: Vec<f32> = readback::read_buffer(frame.device, &copies.camera.wgpu)?;
             let stride = row_bytes(frame.size().x, 4) / 4;
             let stored = Image::from_fn(frame.size(), |x, y| camera[(y * stride + x) as usize]);
             let positions = positions(frame, &stored);
@@ -103,9 +90,9 @@ impl DepthMaps {
         let stride = row_bytes(resolution, texel_bytes(self.settings.precision)) / texel_bytes(self.settings.precision);
         let at = |x: u32, y: u32| ((x / resolution * resolution + y) * stride + x % resolution) as usize;
         let stored: Vec<f32> = match self.settings.precision {
-            Precision::Float32 => readback::read_buffer(device, &copies.light)?,
+            Precision::Float32 => readback::read_buffer(device, &copies.light.wgpu)?,
             Precision::Unorm16 => {
-                let steps: Vec<u16> = readback::read_buffer(device, &copies.light)?;
+                let steps: Vec<u16> = readback::read_buffer(device, &copies.light.wgpu)?;
                 steps.iter().map(|step| f32::from(*step) / 65535.0).collect()
             }
         };

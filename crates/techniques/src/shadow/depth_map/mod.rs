@@ -52,12 +52,22 @@ pub(in crate::shadow) struct Settings {
     pub layout: DepthLayout,
     /// How it is stored.
     pub precision: Precision,
+    /// Maps are read only near where visible points lie in them: those in which none lies are not drawn.
+    pub near_points: bool,
 }
 
 impl Settings {
     /// Maps with automatic bias in single precision, depth as the rasteriser has it.
     pub fn new(resolution: u32, reach: f32) -> Self {
-        Self { resolution, reach, border: 0.0, shift: Shift::Automatic, layout: DepthLayout::Perspective, precision: Precision::Float32 }
+        Self {
+            resolution,
+            reach,
+            border: 0.0,
+            shift: Shift::Automatic,
+            layout: DepthLayout::Perspective,
+            precision: Precision::Float32,
+            near_points: true,
+        }
     }
 }
 
@@ -153,13 +163,14 @@ impl DepthMaps {
         let resolution = self.settings.resolution.min(frame.device.info().max_image_side);
         self.resolution = resolution;
         let fit_of = |light| fit(&Fit { light, frame, resolution, reach: self.settings.reach + self.settings.border });
-        self.projections = frame.lights.iter().map(fit_of).map(|projection| projection.used_by(frame)).collect();
+        let used = |projection: Projection| if self.settings.near_points { projection.used_by(frame) } else { projection };
+        self.projections = frame.lights.iter().map(fit_of).map(used).collect();
         let layers = self.projections.iter().map(|projection| projection.faces.len() as u32).max().unwrap_or(1);
         self.caster.prepare(frame.device, resolution, layers);
         let copies = |projection: &Projection| {
             Copies::new(frame.device, [resolution, projection.faces.len() as u32], frame.size(), self.settings.precision)
         };
-        self.copies = if frame.debug { self.projections.iter().map(copies).collect() } else { Vec::new() };
+        self.copies = if frame.debug { self.projections.iter().map(copies).collect::<Result<_, _>>()? } else { Vec::new() };
 
         let mut maps = vec![0u8; frame.lights.len() * STRIDE as usize];
         let mut faces = vec![0u8; frame.lights.len() * MAX_FACES * FACE_STRIDE as usize];
@@ -229,6 +240,11 @@ impl DepthMaps {
     /// As [`Self::bindings`].
     pub fn receiver_bindings(&self, layer: usize, pass: &PassContext) -> Result<Bindings<'_>, kajo_render_graph::Error> {
         Ok(self.bindings(layer, pass)?.without("light_depth"))
+    }
+
+    /// Side of a map, px: what was asked for, or what the device can do; known once prepared.
+    pub fn resolution(&self) -> u32 {
+        self.resolution
     }
 
     /// Maps of a light of the frame.

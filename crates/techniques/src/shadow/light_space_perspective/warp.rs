@@ -68,7 +68,9 @@ fn seen_range(body: &[Vec3], forward: Vec3, near: f32) -> [f32; 2] {
 
 /// x and y are divided by the distance along y from a centre behind the viewer; so is depth, which falls from the light on as before.
 ///
-///     x' = (x − x_m) / (k y),   y' = (y (f + n) − 2 f n) / (y (f − n)),   z' = n (z − z_0) / (y (z_1 − z_0))
+/// ```text
+/// x' = (x − x_m) / (k y),   y' = (y (f + n) − 2 f n) / (y (f − n)),   z' = n (z − z_0) / (y (z_1 − z_0))
+/// ```
 fn matrix(body: &[Vec3], [x, y, back]: [Vec3; 3], [x0, x1]: [f32; 2], [origin, near, far]: [f32; 3], depth: [f32; 2], of: &Fit) -> Mat4 {
     let wider = 1.0 + 2.0 * (of.reach + 1.0) / of.resolution as f32;
     let eye_x = 0.5 * (x0 + x1);

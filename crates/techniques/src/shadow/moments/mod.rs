@@ -31,7 +31,6 @@ const STEPS: &[&str] = &["moments", "filter-x", "filter-y", "look-up"];
 /// A technique at work.
 pub(super) struct MomentMaps {
     maps: DepthMaps,
-    resolution: u32,
     convert: ComputePipeline,
     filter: ComputePipeline,
     look_up: ComputePipeline,
@@ -69,7 +68,6 @@ impl MomentMaps {
         let settings = Settings::new(resolution, 1.0);
         Ok(Self {
             maps: DepthMaps::new(context, method.id, Settings { border: radius as f32, ..settings })?,
-            resolution,
             convert: pipeline("convert")?,
             filter: pipeline("filter_moments")?,
             look_up: pipeline("look_up")?,
@@ -84,7 +82,7 @@ impl MomentMaps {
 
     fn step(&self, name: &str, layer: usize, frame: &FrameContext, pass: &mut PassContext) -> Result<(), kajo_render_graph::Error> {
         let [a, b] = self.moments.each_ref().map(|texture| texture.as_ref().expect("prepared"));
-        let everywhere = glam::UVec3::new(self.resolution, self.resolution, self.maps.faces(layer) as u32);
+        let everywhere = glam::UVec2::splat(self.maps.resolution()).extend(self.maps.faces(layer) as u32);
         let filter = |turn: u64, source: &Texture, made: &Texture| {
             let own = self.maps.map_bindings(layer).without("light_depth");
             own.with("params", self.params(turn)).with("source", source.array()).with("made", made.array())
@@ -107,12 +105,13 @@ impl MomentMaps {
 impl Effect for MomentMaps {
     fn prepare(&mut self, frame: &FrameContext) -> Result<(), Error> {
         self.maps.prepare(frame, &fit)?;
+        let resolution = self.maps.resolution();
         let layers = (0..frame.lights.len()).map(|layer| self.maps.faces(layer) as u32).max().unwrap_or(1);
         for texture in &mut self.moments {
             if texture.as_ref().is_none_or(|texture| texture.wgpu.depth_or_array_layers() < layers) {
                 *texture = Some(frame.device.texture(&wgpu::TextureDescriptor {
                     label: Some("shadow moments"),
-                    size: wgpu::Extent3d { width: self.resolution, height: self.resolution, depth_or_array_layers: layers },
+                    size: wgpu::Extent3d { width: resolution, height: resolution, depth_or_array_layers: layers },
                     mip_level_count: 1,
                     sample_count: 1,
                     dimension: wgpu::TextureDimension::D2,

@@ -33,7 +33,7 @@ pub struct Params {
     #[param(default = 3, range = 0..=32)]
     pub radius: u32,
     /// Share of moments that belong to any distribution, which keeps rounding from making them impossible.
-    #[param(default = 0.000003, range = 0.0..=0.01)]
+    #[param(default = 0.000003, range = 0.0000001..=0.01)]
     pub moment_bias: f32,
     /// Share of light below which a point counts as dark: takes leaks away, and the dark end of penumbrae with them.
     #[param(default = 0.0, range = 0.0..=0.95)]

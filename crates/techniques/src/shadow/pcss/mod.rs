@@ -63,8 +63,8 @@ impl Pcss {
         let options = PipelineOptions { list_length: context.textures, ..Default::default() };
         let uniform = GpuParams { blocker_samples, filter_samples, nearest, padding: 0 };
         Ok(Self {
-            // Each comparison lies on the receiver's plane, in one texel.
-            maps: DepthMaps::new(context, TECHNIQUE.id, Settings::new(params.resolution, 0.5))?,
+            // Each comparison lies on the receiver's plane, in one texel; as far from the point as the light is wide.
+            maps: DepthMaps::new(context, TECHNIQUE.id, Settings { near_points: false, ..Settings::new(params.resolution, 0.5) })?,
             look_up: ComputePipeline::new(context.device, &shader, "look_up", options)?,
             uniform: context.device.buffer_with(TECHNIQUE.id, &[uniform], BufferUsages::UNIFORM)?,
         })

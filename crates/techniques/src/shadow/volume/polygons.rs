@@ -6,7 +6,7 @@ use crate::{Error, FrameContext, MakeContext};
 use bytemuck::{Pod, Zeroable};
 use kajo_render_graph::wgpu::{self, BufferUsages};
 use kajo_render_graph::{
-    Bindings, Buffer, Device, PassContext, PipelineOptions, RenderPipeline, RenderState, Shader, Texture, readback, slot,
+    Bindings, Buffer, Device, PassContext, PipelineOptions, RenderPipeline, RenderState, Resource, Shader, Texture, readback, slot,
 };
 use kajo_shader_lib::ShaderLayout;
 
@@ -20,6 +20,10 @@ pub(super) struct GpuCounting {
     padding_b: u32,
 }
 
+/// Fragments that counted, by their place within a square of eight by eight pixels, so that neighbours do not wait for each other. Twin of `fragments` in
+/// count.wesl.
+pub(super) type GpuTally = [u32; 64];
+
 /// Format of the pictures.
 pub(super) const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
@@ -30,7 +34,8 @@ pub(super) struct Polygons {
     caps: RenderPipeline,
     pictures: Pictures,
     uniforms: Option<Buffer>,
-    queries: Option<Queries>,
+    /// [`GpuTally`] of each light.
+    tallies: Option<Buffer>,
 }
 
 /// Pipelines of the debug views: made with the others, so that a broken one is noticed.
@@ -39,13 +44,6 @@ struct Pictures {
     edges: RenderPipeline,
     wires: RenderPipeline,
     tint: RenderPipeline,
-}
-
-/// Counts the fragments that count, one query a light.
-struct Queries {
-    set: wgpu::QuerySet,
-    results: Buffer,
-    length: u32,
 }
 
 impl Polygons {
@@ -92,7 +90,7 @@ impl Polygons {
             caps: counting("cap", "count_cap", wgpu::ColorWrites::ALL)?,
             pictures: Pictures::new(context, &shader)?,
             uniforms: None,
-            queries: None,
+            tallies: None,
         })
     }
 
@@ -101,20 +99,9 @@ impl Polygons {
         let uniform = |layer| GpuCounting { light: frame.first_light + layer, behind, padding_a: 0, padding_b: 0 };
         let uniforms: Vec<GpuCounting> = (0..frame.lights.len() as u32).map(uniform).collect();
         extract::upload_uniforms(frame.device, &mut self.uniforms, "shadow/volume counting", &uniforms)?;
-        let length = frame.lights.len() as u32;
-        if self.queries.as_ref().is_none_or(|queries| queries.length < length) {
-            let usage = BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC;
-            self.queries = Some(Queries {
-                set: frame.device.wgpu.create_query_set(&wgpu::QuerySetDescriptor {
-                    label: Some("shadow/volume fragments"),
-                    ty: wgpu::QueryType::Occlusion,
-                    count: length,
-                }),
-                results: frame.device.buffer("shadow/volume fragments", u64::from(length) * 8, usage)?,
-                length,
-            });
-        }
-        Ok(())
+        let none = vec![GpuTally::zeroed(); frame.lights.len()];
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        extract::upload(frame.device, &mut self.tallies, "shadow/volume fragments", bytemuck::cast_slice(&none), usage)
     }
 
     /// Counts a light's polygons in `stencil`, by the depth in `limit`.
@@ -126,41 +113,39 @@ impl Polygons {
         [limit, stencil, dark]: [&Texture; 3],
         pass: &mut PassContext,
     ) -> Result<(), kajo_render_graph::Error> {
-        let queries = self.queries.as_ref().expect("prepared");
-        let common = Bindings::new().with("counting", extract::uniform::<GpuCounting>(&self.uniforms, layer)).with("limit", limit);
-        {
-            let mut render = pass.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("shadow/volume"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &dark.view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
-                })],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &stencil.view,
-                    depth_ops: None,
-                    stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
-                }),
-                occlusion_query_set: Some(&queries.set),
-                ..Default::default()
-            });
-            render.begin_occlusion_query(layer as u32);
-            self.sides.set(pass.device, &mut render, &frame.shared, &common.clone().with("silhouette", lists.silhouette))?;
-            render.draw_indirect(&lists.draws.wgpu, lists.side_draw);
-            self.caps.set(pass.device, &mut render, &frame.shared, &common.with("lids", lists.lids))?;
-            render.draw_indirect(&lists.draws.wgpu, lists.cap_draw);
-            render.end_occlusion_query();
-        }
-        if layer + 1 == frame.lights.len() {
-            pass.encoder.resolve_query_set(&queries.set, 0..frame.lights.len() as u32, &queries.results.wgpu, 0);
-        }
+        let tallies = &self.tallies.as_ref().expect("prepared").wgpu;
+        let bytes = size_of::<GpuTally>() as u64;
+        let common = Bindings::new()
+            .with("counting", extract::uniform::<GpuCounting>(&self.uniforms, layer))
+            .with("limit", limit)
+            .with("fragments", Resource::Range(tallies, layer as u64 * bytes, bytes));
+        let mut render = pass.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("shadow/volume"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &dark.view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &stencil.view,
+                depth_ops: None,
+                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
+            }),
+            ..Default::default()
+        });
+        self.sides.set(pass.device, &mut render, &frame.shared, &common.clone().with("silhouette", lists.silhouette))?;
+        render.draw_indirect(&lists.draws.wgpu, lists.side_draw);
+        self.caps.set(pass.device, &mut render, &frame.shared, &common.with("lids", lists.lids))?;
+        render.draw_indirect(&lists.draws.wgpu, lists.cap_draw);
         Ok(())
     }
 
     /// Fragments that counted, of each light of the group.
     pub fn fragments(&self, device: &Device) -> Result<Vec<u64>, Error> {
-        Ok(readback::read_buffer(device, &self.queries.as_ref().expect("prepared").results.wgpu)?)
+        let tallies: Vec<u32> = readback::read_buffer(device, &self.tallies.as_ref().expect("prepared").wgpu)?;
+        let sum = |tally: &[u32]| tally.iter().map(|&n| u64::from(n)).sum();
+        Ok(tallies.chunks_exact(size_of::<GpuTally>() / 4).map(sum).collect())
     }
 
     /// Draws the scene with a light's silhouettes, and with its volumes.

@@ -1,10 +1,13 @@
-/* Rays through Embree 4, one thread: single and in packets of 8 and 16, without and with the flag for coherent rays. See embree_rays.py.
+/* Rays through Embree 4: single and in packets of 8 and 16, without and with the flag for coherent rays. See embree_rays.py.
  *
- *     embree_rays TRIANGLES RAYS ANY_HIT REPEAT [HITS]
+ *     embree_rays TRIANGLES RAYS ANY_HIT REPEAT THREADS [HITS]
+ *
+ * Each thread traces an equal run of neighbouring rays.
  *
  * Prints JSON; times are the least of the repeats. HITS gets (t, primitive, u, v) of each ray as f32, primitive -1 for none.
  * The declarations are those parts of rtcore.h of version 4.4 that are used, since the package brings no headers. */
 #define _GNU_SOURCE
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,10 +39,11 @@ void rtcOccluded8(const int *, RTCScene, void *, Arguments *);
 void rtcIntersect16(const int *, RTCScene, void *, Arguments *);
 void rtcOccluded16(const int *, RTCScene, void *, Arguments *);
 
-static const float *rays;
-static size_t ray_count;
+/* What a thread works on. */
+static __thread const float *rays;
+static __thread size_t ray_count;
+static __thread float *kept;
 static int any_hit;
-static float *kept;
 
 static void keep(size_t i, float t, unsigned primitive, float u, float v) {
     if (kept)
@@ -84,6 +88,23 @@ TRACE(1, rtcIntersect1(scene, &r, arguments), rtcOccluded1(scene, &r, arguments)
 TRACE(8, rtcIntersect8(valid, scene, &r, arguments), rtcOccluded8(valid, scene, &r, arguments))
 TRACE(16, rtcIntersect16(valid, scene, &r, arguments), rtcOccluded16(valid, scene, &r, arguments))
 
+typedef struct {
+    pthread_t thread;
+    const float *rays;
+    size_t count, hits;
+    float *kept;
+    size_t (*trace)(RTCScene, Arguments *);
+    RTCScene scene;
+    Arguments *how;
+} Share;
+
+static void *work(void *given) {
+    Share *share = given;
+    rays = share->rays, ray_count = share->count, kept = share->kept;
+    share->hits = share->trace(share->scene, share->how);
+    return NULL;
+}
+
 static double now(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -107,14 +128,17 @@ int main(int count, char **arguments) {
     size_t triangle_count;
     float *triangles = read_floats(arguments[1], &triangle_count);
     triangle_count /= 9;
-    rays = read_floats(arguments[2], &ray_count);
-    ray_count /= 8;
+    size_t total;
+    const float *all = read_floats(arguments[2], &total);
+    total /= 8;
     any_hit = atoi(arguments[3]);
-    int repeat = atoi(arguments[4]);
-    if (count > 5 && *arguments[5])
-        kept = malloc(16 * ray_count);
+    int repeat = atoi(arguments[4]), threads = atoi(arguments[5]);
+    float *hits_of_all = count > 6 && *arguments[6] ? malloc(16 * total) : NULL;
+    Share *shares = malloc(threads * sizeof(Share));
 
-    RTCDevice device = rtcNewDevice("threads=1,set_affinity=0");
+    char configuration[64];
+    snprintf(configuration, sizeof configuration, "threads=%d,set_affinity=0", threads);
+    RTCDevice device = rtcNewDevice(configuration);
     RTCScene scene = NULL;
     double build = 1e9;
     for (int k = 0; k < repeat; k++) {
@@ -144,17 +168,30 @@ int main(int count, char **arguments) {
         size_t hits = 0;
         for (int k = 0; k < repeat; k++) {
             double start = now();
-            hits = trace[mode % 3](scene, &how);
+            hits = 0;
+            for (int i = 0; i < threads; i++) {
+                size_t first = total * i / threads, end = total * (i + 1) / threads;
+                shares[i] = (Share){.rays = all + 8 * first, .count = end - first, .kept = hits_of_all ? hits_of_all + 4 * first : NULL,
+                                    .trace = trace[mode % 3], .scene = scene, .how = &how};
+                if (i && pthread_create(&shares[i].thread, NULL, work, &shares[i]))
+                    return 1;
+            }
+            work(&shares[0]);
+            for (int i = 0; i < threads; i++) {
+                if (i)
+                    pthread_join(shares[i].thread, NULL);
+                hits += shares[i].hits;
+            }
             double seconds = now() - start;
             least = seconds < least ? seconds : least;
         }
         printf("%s{\"width\": %d, \"coherent\": %s, \"mrays_per_s\": %f, \"hits\": %zu}", mode ? ", " : "", width[mode % 3],
-               mode / 3 ? "true" : "false", ray_count / least / 1e6, hits);
+               mode / 3 ? "true" : "false", total / least / 1e6, hits);
     }
     printf("]}\n");
-    if (kept) {
-        FILE *file = fopen(arguments[5], "wb");
-        if (!file || fwrite(kept, 16, ray_count, file) != ray_count || fclose(file))
+    if (hits_of_all) {
+        FILE *file = fopen(arguments[6], "wb");
+        if (!file || fwrite(hits_of_all, 16, total, file) != total || fclose(file))
             return 1;
     }
     return rtcGetDeviceError(device) != 0;

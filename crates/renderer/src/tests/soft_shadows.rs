@@ -68,7 +68,10 @@ fn the_articles_numbers_of_samples_make_smooth_penumbrae() {
         let samples_text = samples.to_string();
         let out = frame(&device, &scene, size, "shadow/multi-sample", &[("samples", &samples_text), ("resolution", "512")]);
         let levels: BTreeSet<u32> = out.visibility[0].pixels().iter().map(|v| v.to_bits()).collect();
-        assert!(levels.len() <= samples as usize + 1 && levels.len() > 50, "{} levels of {samples} samples", levels.len());
+        let penumbra = truth.iter().filter(|v| (0.01..0.99).contains(*v)).count();
+        assert!(penumbra > 20, "{penumbra} pixels of penumbra");
+        assert!(levels.len() <= samples as usize + 1, "{} levels of {samples} samples", levels.len());
+        assert!(2 * levels.len() > penumbra.min(samples as usize), "{} levels in {penumbra} pixels of penumbra", levels.len());
         let error = rmse(out.visibility[0].pixels(), &truth);
         assert!(error < 0.005, "{samples} samples: {error}");
     }

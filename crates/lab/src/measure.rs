@@ -35,9 +35,13 @@ pub fn measure(
     choice: &Choice,
     judge: &Judge,
     (seed, frames, repeat): (u64, u32, u32),
+    ambient_distance: f32,
 ) -> Result<Measured, Error> {
     let selection = RoleSelection::new().with(choice.technique, choice.params.clone());
-    let settings = |frame: u32| FrameSettings { index: (seed as u32).wrapping_add(frame), ..FrameSettings::default() };
+    let ambient = role == Role::AmbientVisibility;
+    let settings =
+        |frame: u32| FrameSettings { index: (seed as u32).wrapping_add(frame), ambient_distance, ambient, ..FrameSettings::default() };
+    let of = |list: &[(&str, u64)]| list.iter().filter(|(id, _)| *id == choice.technique.id).map(|(_, count)| count).sum();
     for frame in 0..WARM_UP_FRAMES {
         renderer.render(&selection, &settings(frame))?;
     }
@@ -50,12 +54,12 @@ pub fn measure(
         if frame < frames {
             cpu.push(start.elapsed().as_secs_f64() * 1e3);
             gpu.push(output.timings.sum_of(choice.technique.id));
-            rays = output.rays;
+            rays = of(&output.technique_rays);
             if frame == 0 {
                 output.statistics.iter().for_each(|s| statistics.entry(s.name.to_owned()).or_default().push(s.value));
                 ignored.clone_from(&output.ignored);
             }
-            memory_bytes = output.technique_bytes.iter().filter(|(id, _)| *id == choice.technique.id).map(|(_, bytes)| bytes).sum();
+            memory_bytes = of(&output.technique_bytes);
         }
         if frame < repeat {
             takes.push(take(role, judge, output));
@@ -79,6 +83,7 @@ fn take(role: Role, judge: &Judge, output: FrameOutput) -> Take {
         (Role::DirectVisibility, Kind::Visibility) => {
             Take { parts: output.visibility.iter().take(judge.parts.len()).map(grey).collect(), composed: Some(output.direct) }
         }
+        (Role::AmbientVisibility, _) => Take { parts: output.ambient_visibility.iter().map(grey).collect(), composed: None },
         _ => Take { parts: vec![output.direct], composed: None },
     }
 }

@@ -32,6 +32,8 @@ pub struct CompareOptions {
     pub time: f64,
     /// Animation by name or index; `None`: the first.
     pub animation: Option<String>,
+    /// Role ambient visibility: how far a surface blocks, m; `None`: a tenth of the scene's diagonal.
+    pub ambient_distance: Option<f32>,
     /// Seed of the reference, and first seed of the techniques.
     pub seed: u64,
     /// Threads of the reference; `None`: all.
@@ -63,6 +65,7 @@ impl Default for CompareOptions {
             environment: None,
             time: 0.0,
             animation: None,
+            ambient_distance: None,
             seed: 0,
             threads: None,
         }
@@ -103,6 +106,9 @@ impl CompareOptions {
         }
         if let Some(animation) = &self.animation {
             flag("--animation", animation.clone());
+        }
+        if let Some(distance) = self.ambient_distance {
+            flag("--ambient-distance", distance.to_string());
         }
         flag("--seed", self.seed.to_string());
         if self.techniques.is_empty() {

@@ -2,8 +2,9 @@
 
 use crate::experiment::slug;
 use crate::{CompareOptions, LabError};
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 use kajo_path_tracer::{CameraChoice, Tracer};
+use kajo_scene::framing::bounds;
 use kajo_scene::{LoadOptions, Scene, SceneError, Snapshot, load};
 use kajo_units::Seconds;
 
@@ -21,6 +22,8 @@ pub struct Subject {
     pub camera: usize,
     /// Size of the images, px.
     pub size: UVec2,
+    /// Role ambient visibility: how far a surface blocks, m.
+    pub ambient_distance: f32,
 }
 
 impl Subject {
@@ -35,8 +38,9 @@ impl Subject {
         let camera = options.camera.as_deref().map_or(Ok(0), |word| snapshot.find_camera(word));
         let camera = camera.map_err(|unknown| SceneError::UnknownName { scene: name.clone(), unknown })?;
         let size = options.size.unwrap_or_else(|| snapshot.cameras[camera].camera.default_image_size());
+        let ambient_distance = options.ambient_distance.unwrap_or_else(|| near(bounds(&snapshot.meshes, &snapshot.instances)));
         let stem = name.rsplit(['/', '\\']).next().unwrap_or(&name);
-        Ok(Self { slug: format!("{}-{}", index + 1, slug(stem)), name, scene, snapshot, camera, size })
+        Ok(Self { slug: format!("{}-{}", index + 1, slug(stem)), name, scene, snapshot, camera, size, ambient_distance })
     }
 
     /// The judge's view of it.
@@ -53,9 +57,19 @@ impl Subject {
             size: self.size,
             camera: CameraChoice::Index(self.camera),
             seed: options.seed,
+            ambient_distance: self.ambient_distance,
             ..kajo_path_tracer::Settings::default()
         }
     }
+}
+
+/// A tenth of the diagonal, to two digits: what is near in a scene of this size.
+fn near([low, high]: [Vec3; 2]) -> f32 {
+    let length = f64::from(low.distance(high)) * 0.1;
+    let digit = 10f64.powf(length.log10().floor() - 1.0);
+    let rounded = ((length / digit).round() * digit) as f32;
+    // A scene that is one point.
+    if rounded > 0.0 && rounded.is_finite() { rounded } else { 1.0 }
 }
 
 #[cfg(test)]
@@ -70,6 +84,20 @@ mod tests {
     fn a_scene_is_loaded_with_its_camera_and_a_size() {
         let subject = Subject::load(&options("builtin:shadows"), 0).unwrap();
         assert_eq!((subject.size.y, subject.camera, subject.slug.as_str()), (720, 0, "1-builtin-shadows"));
+    }
+
+    #[test]
+    fn the_ambient_distance_is_asked_for_or_grows_with_the_scene() {
+        let of = |ambient_distance| {
+            let options = CompareOptions { ambient_distance, ..options("builtin:cornell") };
+            let subject = Subject::load(&options, 0).unwrap();
+            assert_eq!(subject.tracer_settings(&options).ambient_distance, subject.ambient_distance);
+            subject.ambient_distance
+        };
+        assert_eq!(of(Some(0.25)), 0.25);
+        let [low, high] = [Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 2.0, 15.34)];
+        assert_eq!((near([low, high]), near([low * 1000.0, high * 1000.0]), near([low, low])), (1.2, 1200.0, 1.0));
+        assert!(of(None) > 0.0);
     }
 
     #[test]

@@ -36,6 +36,7 @@ fn stored() -> PathBuf {
 fn scenes(role: Role) -> &'static [&'static str] {
     match role {
         Role::DirectVisibility => &["shadows", "penumbra"],
+        Role::AmbientVisibility => &["shadows", "two-rooms"],
         _ => &["shadows"],
     }
 }
@@ -61,6 +62,7 @@ fn picture(role: Role, output: &FrameOutput) -> Image<Srgb8> {
                 LinearRgb::splat(*output.visibility[(x / size.x) as usize].get(x % size.x, y)).to_srgb8()
             })
         }
+        Role::AmbientVisibility => output.ambient_visibility.as_ref().unwrap().map(|&v| LinearRgb::splat(v).to_srgb8()),
         _ => output.display.clone(),
     }
 }
@@ -72,7 +74,7 @@ fn frame(device: &Device, technique: &'static Technique, scene: &str, backend: O
     let mut renderer = Renderer::new(device, &scene, &snapshot, settings).unwrap();
     let roles = RoleSelection::new().choose(technique.id, &[]).unwrap();
     // Bright enough that every tone map has highlights to compress.
-    let settings = FrameSettings { exposure: Some(1.5), jitter, ..FrameSettings::default() };
+    let settings = FrameSettings { exposure: Some(1.5), jitter, ambient_distance: 0.5, ambient: true, ..FrameSettings::default() };
     picture(technique.role, &renderer.render(&roles, &settings).unwrap())
 }
 

@@ -63,6 +63,10 @@ slots! {
     SHADOW_VISIBILITY = "shadow_visibility", R32Float, PerLight, "1";
     /// V while it is being filtered.
     SHADOW_FILTERED = "shadow_filtered", R32Float, PerLight, "1";
+    /// The share of the hemisphere, weighted with the cosine, in which nothing is met within the distance that the frame asks for.
+    AMBIENT_VISIBILITY = "ambient_visibility", R32Float, One, "1";
+    /// The same while it is being filtered.
+    AMBIENT_FILTERED = "ambient_filtered", R32Float, One, "1";
     /// Reflected light that arrives straight from lights.
     DIRECT = "direct", Rgba32Float, One, "W/(m² sr)";
     /// Copy of `direct` while another group of lights is added to it.

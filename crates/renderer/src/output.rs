@@ -18,6 +18,8 @@ pub struct FrameOutput {
     pub direct: Image<LinearRgb>,
     /// Role direct visibility: one image for each light that is [watched](crate::Renderer::watch), in the order of the lights.
     pub visibility: Vec<Image<f32>>,
+    /// Role ambient visibility, when it was asked for.
+    pub ambient_visibility: Option<Image<f32>>,
     /// The G-buffer, when it was asked for.
     pub gbuffer: Option<GBufferImages>,
     /// What each pass took.
@@ -29,6 +31,8 @@ pub struct FrameOutput {
     pub technique_bytes: Vec<(&'static str, u64)>,
     /// Rays traced for the frame.
     pub rays: u64,
+    /// The same by technique, by id.
+    pub technique_rays: Vec<(&'static str, u64)>,
     /// Pixels lit, each counted once for each group of lights.
     pub shaded_pixels: u32,
     /// What the technique of the role direct visibility counted, light by light.

@@ -202,9 +202,10 @@ impl Renderer {
         let view = self.view(settings);
         self.upload_frame(&view, settings);
         let mut shadow = self.take_effect(roles, Role::DirectVisibility)?;
+        let mut ambient = self.take_effect(roles, Role::AmbientVisibility)?;
         let mut tone = self.take_effect(roles, Role::ToneMap)?;
-        let rendered = self.run(&view, settings, &mut shadow, &mut tone);
-        self.effects.extend([shadow, tone]);
+        let rendered = self.run(&view, settings, [&mut shadow, &mut ambient, &mut tone]);
+        self.effects.extend([shadow, ambient, tone]);
         rendered
     }
 
@@ -228,16 +229,17 @@ impl Renderer {
                 (frame.color, frame.direct) = (blend(&frame.color, &before.color), blend(&frame.direct, &before.direct));
                 frame.timings.merge(&before.timings);
                 frame.rays += before.rays;
+                frame.technique_rays.iter_mut().zip(before.technique_rays).for_each(|(now, before)| now.1 += before.1);
             }
             mean = Some(frame);
         }
         Ok(mean.expect("at least one frame"))
     }
 
-    fn run(&mut self, view: &View, settings: &FrameSettings, shadow: &mut Made, tone: &mut Made) -> Result<FrameOutput, Error> {
+    fn run(&mut self, view: &View, settings: &FrameSettings, [shadow, ambient, tone]: [&mut Made; 3]) -> Result<FrameOutput, Error> {
         let device = self.device.clone();
         let mut pool = std::mem::take(&mut self.pool);
-        let rays_before = shadow.effect.rays(&device)?;
+        let rays_before = [shadow.effect.rays(&device)?, ambient.effect.rays(&device)?];
         let mut written = Vec::new();
         let mut visibility: Vec<Image<f32>> = Vec::new();
         let (mut statistics, mut debug) = (Vec::new(), Vec::new());
@@ -248,6 +250,15 @@ impl Renderer {
         self.gbuffer.record(&first, &mut graph);
         self.background.record(&first, &mut graph);
         Direct::record_clear(&mut graph);
+        timings.merge(&graph.execute(&device, &mut pool)?);
+
+        let around = FrameContext { device: &ambient.device, ..self.context(view, settings, 0, 0) };
+        ambient.effect.prepare(&around)?;
+        timings.merge(&ambient.effect.run(&around, &pool)?);
+        let mut graph = Graph::new();
+        graph.import(&made_first());
+        ambient.effect.record(&around, &mut graph);
+        let looked_around = graph.written_by(ambient.choice.technique.id);
         timings.merge(&graph.execute(&device, &mut pool)?);
 
         let group = pool.lights() as usize;
@@ -295,20 +306,23 @@ impl Renderer {
         let displayed = graph.written_by(tone.choice.technique.id);
         timings.merge(&graph.execute(&device, &mut pool)?);
 
+        let rays = [shadow.effect.rays(&device)? - rays_before[0], ambient.effect.rays(&device)? - rays_before[1]];
         let output = FrameOutput {
             color: read::radiance(&device, &pool, slot::COLOR)?,
             display: read::display(&device, &pool)?,
             direct: read::radiance(&device, &pool, slot::DIRECT)?,
             visibility,
+            ambient_visibility: if settings.ambient { Some(read::scalar(&device, &pool, slot::AMBIENT_VISIBILITY, 0)?) } else { None },
             gbuffer: if settings.gbuffer { Some(read::gbuffer(&device, &pool, view)?) } else { None },
             timings,
             memory_bytes: device.memory_bytes(),
-            technique_bytes: vec![shadow.bytes(&written, &pool), tone.bytes(&displayed, &pool)],
-            rays: shadow.effect.rays(&device)? - rays_before,
+            technique_bytes: vec![shadow.bytes(&written, &pool), tone.bytes(&displayed, &pool), ambient.bytes(&looked_around, &pool)],
+            rays: rays.iter().sum(),
+            technique_rays: vec![(shadow.choice.technique.id, rays[0]), (ambient.choice.technique.id, rays[1])],
             shaded_pixels: if self.lights.list.is_empty() { 0 } else { self.direct.shaded(&device)? },
             statistics,
             debug,
-            ignored: self.ignored().into_iter().chain(shadow.effect.notes()).collect(),
+            ignored: self.ignored().into_iter().chain(shadow.effect.notes()).chain(ambient.effect.notes()).collect(),
         };
         self.pool = pool;
         Ok(output)
@@ -388,6 +402,7 @@ impl Renderer {
             scene: &self.scene,
             snapshot: &self.current,
             bounds: self.bounds,
+            ambient_distance: settings.ambient_distance,
             debug: settings.debug,
             exposure: settings.exposure.or(self.scene.exposure).unwrap_or(0.0),
             shared: self.trace.bind(self.textures.bind(self.lights.bind(shared))),

@@ -40,6 +40,10 @@ pub struct FrameSettings {
     pub exposure: Option<f32>,
     /// Reads the G-buffer back.
     pub gbuffer: bool,
+    /// Role ambient visibility: how far a surface blocks, m; infinite where everything does.
+    pub ambient_distance: f32,
+    /// Reads the role ambient visibility back.
+    pub ambient: bool,
     /// Asks the technique of the role direct visibility for pictures of its inner workings.
     pub debug: bool,
     /// Lights opaque surfaces as they are drawn, without shadows, instead of through the G-buffer: to check one way by the other.
@@ -48,7 +52,16 @@ pub struct FrameSettings {
 
 impl Default for FrameSettings {
     fn default() -> Self {
-        Self { index: 0, jitter: Vec2::ZERO, exposure: None, gbuffer: false, debug: false, forward: false }
+        Self {
+            index: 0,
+            jitter: Vec2::ZERO,
+            exposure: None,
+            gbuffer: false,
+            ambient_distance: f32::INFINITY,
+            ambient: false,
+            debug: false,
+            forward: false,
+        }
     }
 }
 

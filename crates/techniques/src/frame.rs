@@ -148,6 +148,8 @@ pub struct FrameContext<'a> {
     pub bounds: [Vec3; 2],
     /// Exposure in stops: a display shows radiance · 2^exposure.
     pub exposure: f32,
+    /// Role ambient visibility: how far a surface blocks, m; infinite where everything does.
+    pub ambient_distance: f32,
     /// Pictures of the technique's inner workings are wanted: see [`Effect::debug_views`](crate::Effect::debug_views).
     pub debug: bool,
     /// What the shared modules declare, by name: frame, scene, lights, trace.

@@ -63,10 +63,10 @@ impl Role {
             Self::AmbientVisibility => RoleData {
                 id: "ambient-visibility",
                 title: "Ambient visibility",
-                estimates: "(1/π) ∫ V cos θ dω",
+                estimates: "(1/π) ∫ V cos θ dω, V = 1 where nothing is met within the ambient distance",
                 unit: "1, in [0, 1]",
                 judged_by: "ambient-visibility",
-                output: None,
+                output: Some(slot::AMBIENT_VISIBILITY),
             },
             Self::DiffuseIndirect => RoleData {
                 id: "diffuse-indirect",

@@ -164,6 +164,9 @@ pub struct View {
     /// Animation by name or index [default: the first]
     #[arg(long, value_name = "NAME|INDEX", allow_negative_numbers = true)]
     pub animation: Option<String>,
+    /// Ambient visibility: how far surfaces block [default: render: without end; compare: a tenth of the scene's diagonal]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true, value_parser = positive)]
+    pub ambient_distance: Option<f64>,
 }
 
 /// How light paths are sampled.

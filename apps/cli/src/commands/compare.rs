@@ -47,6 +47,7 @@ fn options(arguments: &Compare) -> CompareOptions {
         environment: arguments.view.env.clone(),
         time: arguments.view.frame,
         animation: arguments.view.animation.clone(),
+        ambient_distance: arguments.view.ambient_distance.map(|distance| distance as f32),
         seed: arguments.seed,
         threads: arguments.threads.map(usize::from),
     }

@@ -105,7 +105,8 @@ fn section(report: &Report, pictures: &Pictures, index: usize) -> Markup {
             header.section-head {
                 p.eyebrow { (reference.scene) }
                 h2 { (reference.role_title) }
-                p.what { "Every technique estimates " span.math { (reference.estimates) } ". Unit: " (reference.unit) "." }
+                p.what { "Every technique estimates " span.math { (reference.estimates) } ". Unit: " (reference.unit) "."
+                    @if let Some(distance) = reference.ambient_distance { " Surfaces block up to " (distance) " m." } }
             }
             (cards::reference(reference))
             @if let Some(decision) = decision { (chart::error_and_cost(report, decision, &runs, reference.rmse_floor, index)) }

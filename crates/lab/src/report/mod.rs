@@ -112,6 +112,8 @@ pub struct ReferenceEntry {
     pub role_title: String,
     /// The integral that is judged.
     pub estimates: String,
+    /// Role ambient visibility: how far a surface blocks, m.
+    pub ambient_distance: Option<f32>,
     /// Unit of the role's image.
     pub unit: String,
     /// The images of the path tracer that judge it.

@@ -1,6 +1,7 @@
 //! Whole frames, against the path tracer and against closed forms.
 
 mod accumulation;
+mod ambient;
 mod display;
 mod emissive;
 mod gbuffer;

@@ -29,8 +29,14 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
         renderer.watch(&[]);
     }
     let begin = Instant::now();
-    let settings =
-        FrameSettings { index: seed, gbuffer: !arguments.aov.is_empty(), debug: arguments.debug.is_some(), ..Default::default() };
+    let settings = FrameSettings {
+        index: seed,
+        gbuffer: !arguments.aov.is_empty(),
+        ambient: !arguments.aov.is_empty(),
+        ambient_distance: arguments.view.ambient_distance.map_or(f32::INFINITY, |distance| distance as f32),
+        debug: arguments.debug.is_some(),
+        ..Default::default()
+    };
     let frame = match arguments.spp {
         Some(count) if count > 1 => renderer.accumulate(&roles, &settings, count)?,
         _ => renderer.render(&roles, &settings)?,
@@ -117,6 +123,7 @@ fn roles(words: &[String]) -> Outcome<RoleSelection> {
 fn layers(frame: &FrameOutput, lights: &[String]) -> Vec<Layer> {
     let mut layers = vec![Layer::color("direct", &frame.direct)];
     layers.extend(lights.iter().zip(&frame.visibility).map(|(name, image)| Layer::scalar(format!("visibility.{name}"), image)));
+    layers.extend(frame.ambient_visibility.iter().map(|image| Layer::scalar("ambient-visibility", image)));
     if let Some(GBufferImages { depth, position, shading_normal, normal, albedo, motion, instance, material, .. }) = &frame.gbuffer {
         let id = |image: &kajo_image::Image<Option<u32>>| image.map(|id| id.map_or(-1.0, |id| id as f32));
         layers.extend([

@@ -33,6 +33,7 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     let settings = Settings {
         integrator: arguments.integrator.unwrap_or_default(),
         adaptive: arguments.adaptive,
+        ambient_distance: arguments.view.ambient_distance.map_or(f32::INFINITY, |distance| distance as f32),
         aovs: if arguments.denoise { denoise::with_features(&wanted) } else { wanted.clone() },
         ..path_tracing::settings(&arguments.tracing, size, camera, arguments.spp.unwrap_or(DEFAULT_SPP))
     };

@@ -9,8 +9,21 @@ macro_rules! files {
 }
 
 /// The modules.
-pub const FILES: &[SourceFile<'static>] =
-    files!["chebyshev", "depth_map", "frame", "gbuffer", "lights", "material", "raster", "reflect", "scene", "surface", "trace"];
+pub const FILES: &[SourceFile<'static>] = files![
+    "chebyshev",
+    "depth_map",
+    "frame",
+    "gbuffer",
+    "lights",
+    "material",
+    "raster",
+    "reflect",
+    "scene",
+    "screen",
+    "spread",
+    "surface",
+    "trace"
+];
 
 /// What the modules depend on.
 #[derive(Clone, Copy, Debug)]

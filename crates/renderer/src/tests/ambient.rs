@@ -185,3 +185,70 @@ fn ambient_filters_lower_the_error_of_few_rays() {
         [[("samples", "1"), ("resolution", "full")], [("samples", "4"), ("resolution", "half")]].map(|p| rmse(&looked(&p), &truth));
     assert!(half < 0.8 * one, "the same rays: {half} at half resolution, {one} spread over all pixels");
 }
+
+/// The corner as seen from the side: floor and wall fill the image.
+fn corner_from_the_side(wall: bool) -> Scene {
+    let mut scene = corner(wall);
+    camera(&mut scene, PERSPECTIVE, Vec3::new(4.0, 3.0, 0.7), Vec3::new(0.6, 0.4, 0.0));
+    scene
+}
+
+/// Row R-08: the hemisphere leaves a plane open, the full sphere finds half of it inside, and a corner is darker than a plane.
+#[test]
+fn ssao_leaves_planes_open_by_the_hemisphere_and_half_by_the_sphere() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(96, 72);
+    for (distance, slanted) in [(0.2, false), (0.6, false), (0.6, true)] {
+        let mut plane = corner(false);
+        let eye = if slanted { Vec3::new(0.0, 0.6, 3.0) } else { Vec3::new(0.0, 3.0, 1.0) };
+        camera(&mut plane, PERSPECTIVE, eye, Vec3::ZERO);
+        let of = |scene: &Scene, kernel| {
+            let params = [("kernel", kernel), ("denoise", "0")];
+            let out = around(&device, scene, size, None, ("ao/ssao", &params), distance);
+            // Where no point is lost beyond the border of the image.
+            mean(&Image::from_fn(size / 3, |x, y| *open(&out).get(x + size.x / 3, y + size.y / 3)))
+        };
+        let (hemisphere, sphere) = (of(&plane, "hemisphere"), of(&plane, "sphere"));
+        assert!(hemisphere >= 0.97, "{distance} m, slanted {slanted}: {hemisphere}");
+        // Seen at a slant, points in the plane lie behind parts of it that are farther away than what may block.
+        assert!(if slanted { sphere < 0.9 } else { (sphere - 0.5).abs() < 0.05 }, "{distance} m, slanted {slanted}: {sphere}");
+    }
+    let seen = |wall| around(&device, &corner_from_the_side(wall), size, None, ("ao/ssao", &[]), 0.5);
+    let (with, without) = (seen(true), seen(false));
+    let positions = &with.gbuffer.as_ref().unwrap().position;
+    let near = |p: &Vec3| p.y < 1e-3 && p.x > 0.02 && p.x < 0.1;
+    let mean_near = |image: &Image<f32>| {
+        let values: Vec<f32> = image.pixels().iter().zip(positions.pixels()).filter(|(_, p)| near(p)).map(|(v, _)| *v).collect();
+        assert!(values.len() > 40, "{}", values.len());
+        values.iter().sum::<f32>() / values.len() as f32
+    };
+    assert!(mean_near(open(&with)) < mean_near(open(&without)) - 0.15, "{} {}", mean_near(open(&with)), mean_near(open(&without)));
+}
+
+/// Horizons give the closed form beside an endless wall, on the wall and on the floor; a plane is open whatever the number of slices.
+#[test]
+fn gtao_beside_a_wall_gives_the_closed_form() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(192, 144);
+    for (slices, steps, tolerance) in [("32", "64", 0.01), ("2", "8", 0.04)] {
+        let params = [("slices", slices), ("steps", steps), ("denoise", "0")];
+        let plane = around(&device, &corner_from_the_side(false), size, None, ("ao/gtao", &params), 1.0);
+        assert!(open(&plane).pixels().iter().all(|v| (v - 1.0).abs() < 1e-4));
+        let out = around(&device, &corner_from_the_side(true), size, None, ("ao/gtao", &params), 1.0);
+        let positions = &out.gbuffer.as_ref().unwrap().position;
+        for on_wall in [false, true] {
+            for bin in 0..12 {
+                let a = 0.1 * bin as f32;
+                let of = |p: &Vec3| if on_wall { p.y } else { p.x };
+                let inside = |p: &Vec3| {
+                    let here = if on_wall { p.x < 1e-3 && p.y < 1.2 } else { p.y < 1e-3 };
+                    here && p.z.abs() < 0.4 && of(p) > a + 0.01 && of(p) < a + 0.1
+                };
+                let pairs: Vec<_> = open(&out).pixels().iter().zip(positions.pixels()).filter(|(_, p)| inside(p)).collect();
+                assert!(pairs.len() > 20, "{on_wall} {a}: {}", pairs.len());
+                let error = pairs.iter().map(|(v, p)| *v - beside_a_wall(of(p))).sum::<f32>() / pairs.len() as f32;
+                assert!(error.abs() < tolerance, "{slices} slices, {steps} steps, wall {on_wall}, a = {a}: {error}");
+            }
+        }
+    }
+}

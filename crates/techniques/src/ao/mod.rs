@@ -4,14 +4,17 @@
 //! and the reference integrate the same function.
 
 mod filter;
+pub mod gtao;
 pub mod none;
 pub mod ray_traced;
+mod screen;
+pub mod ssao;
 
 use crate::{FrameContext, Technique};
 use kajo_render_graph::{Slot, slot};
 
 /// In the order of every list.
-pub const ALL: &[&Technique] = &[&none::TECHNIQUE, &ray_traced::TECHNIQUE];
+pub const ALL: &[&Technique] = &[&none::TECHNIQUE, &ssao::TECHNIQUE, &gtao::TECHNIQUE, &ray_traced::TECHNIQUE];
 
 /// Slots that the filter of the group reads.
 const READS: &[Slot] = &[slot::DEPTH, slot::NORMAL];

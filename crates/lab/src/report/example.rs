@@ -101,6 +101,7 @@ pub fn report() -> Report {
             role: "direct-visibility".into(),
             role_title: "Direct visibility".into(),
             estimates: "(1/A) ∫ V(x, y) dA over each light".into(),
+            ambient_distance: None,
             unit: "1, in [0, 1] per light".into(),
             judged_by: vec!["visibility.Key".into()],
             size: [1280, 720],

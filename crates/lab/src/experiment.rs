@@ -219,11 +219,11 @@ impl Experiment<'_> {
             unit: role.unit().into(),
             judged_by: judge.parts.iter().map(|p| p.name.clone()).collect(),
             size: judge.size().to_array(),
-            spp: found.spp,
+            spp: found.renderings[role.id()].spp,
             relative_standard_error: judge.relative_standard_error(),
             rmse_floor: judge.floor(),
-            seconds: found.seconds,
-            rays: found.rays,
+            seconds: found.renderings[role.id()].seconds,
+            rays: found.renderings[role.id()].rays,
             images: files,
         });
         Ok(folder)

@@ -25,7 +25,8 @@ pub struct Measured {
     pub ignored: Vec<Ignored>,
 }
 
-/// Renders `frames` timed frames; the first `repeat` of them, frame numbers from `seed` on, are the takes.
+/// Renders `frames` timed frames, with numbers from `seed` on, and `repeat` takes: each is one frame; of techniques that keep a history the frame after which that
+/// has forgotten how it began, each take begun anew.
 ///
 /// # Errors
 /// When the technique cannot run on this device or the device fails.
@@ -48,21 +49,31 @@ pub fn measure(
     let (mut takes, mut gpu, mut cpu) = (Vec::new(), Vec::new(), Vec::new());
     let (mut rays, mut memory_bytes) = (0, 0);
     let (mut statistics, mut ignored) = (BTreeMap::<String, Vec<u64>>::new(), Vec::new());
-    for frame in 0..frames.max(repeat) {
-        let start = Instant::now();
-        let output = renderer.render(&selection, &settings(frame))?;
-        if frame < frames {
-            cpu.push(start.elapsed().as_secs_f64() * 1e3);
-            gpu.push(output.timings.sum_of(choice.technique.id));
-            rays = of(&output.technique_rays);
-            if frame == 0 {
-                output.statistics.iter().for_each(|s| statistics.entry(s.name.to_owned()).or_default().push(s.value));
-                ignored.clone_from(&output.ignored);
+    let settled = renderer.history(&selection)?.max(1);
+    // Numbers that do not follow each other begin anew.
+    let gap = u32::from(settled > 1);
+    let mut timed = 0;
+    for number in 0..repeat.max(frames.div_ceil(settled)) {
+        for step in 0..settled {
+            let first = number == 0 && step == 0;
+            let start = Instant::now();
+            let output = renderer.render(&selection, &settings(number * (settled + gap) + step))?;
+            if timed < frames {
+                timed += 1;
+                cpu.push(start.elapsed().as_secs_f64() * 1e3);
+                gpu.push(output.timings.sum_of(choice.technique.id));
+                rays = of(&output.technique_rays);
+                if first {
+                    output.statistics.iter().for_each(|s| statistics.entry(s.name.to_owned()).or_default().push(s.value));
+                    ignored.clone_from(&output.ignored);
+                }
+                memory_bytes = of(&output.technique_bytes);
             }
-            memory_bytes = of(&output.technique_bytes);
-        }
-        if frame < repeat {
-            takes.push(take(role, judge, output));
+            if number < repeat && step + 1 == settled {
+                takes.push(take(role, judge, output));
+            } else if timed == frames && number >= repeat {
+                break;
+            }
         }
     }
     let cost = Cost {
@@ -84,6 +95,7 @@ fn take(role: Role, judge: &Judge, output: FrameOutput) -> Take {
             Take { parts: output.visibility.iter().take(judge.parts.len()).map(grey).collect(), composed: Some(output.direct) }
         }
         (Role::AmbientVisibility, _) => Take { parts: output.ambient_visibility.iter().map(grey).collect(), composed: None },
+        (Role::AntiAlias, _) => Take { parts: vec![output.color], composed: None },
         _ => Take { parts: vec![output.direct], composed: None },
     }
 }

@@ -1,7 +1,7 @@
-//! The references of a scene: one rendering of the path tracer, one judge for each role.
+//! The references of a scene: one judge for each role, from one rendering of the path tracer for all roles of one pixel filter.
 //!
 //! Samples lie at pixel centres, where a rasteriser without anti-aliasing looks: a difference is then one of light, not of the pixel
-//! filter. Roles that end at the first hit need no longer paths, and get none.
+//! filter. The role anti-alias is judged by the mean over the pixel's area. Roles that end at the first hit need no longer paths, and get none.
 
 use crate::judge::{Composed, Judge, Kind, Part};
 use crate::{LabError, Progress, ReferenceStop};
@@ -17,14 +17,21 @@ use std::ops::ControlFlow;
 pub struct References {
     /// By the role's id.
     pub judges: BTreeMap<&'static str, Judge>,
+    /// What the rendering that gave each of them took.
+    pub renderings: BTreeMap<&'static str, Rendering>,
+    /// Samples that were NaN or infinite and count as black.
+    pub invalid_samples: u64,
+}
+
+/// A rendering of the path tracer.
+#[derive(Clone, Copy, Debug)]
+pub struct Rendering {
     /// Samples per pixel.
     pub spp: u32,
     /// Wall-clock time, s.
     pub seconds: f64,
     /// Rays traced.
     pub rays: u64,
-    /// Samples that were NaN or infinite and count as black.
-    pub invalid_samples: u64,
 }
 
 /// How the path tracer judges a role.
@@ -34,16 +41,31 @@ struct Recipe {
     kind: Kind,
     images: fn(&Tracer) -> Vec<Aov>,
     composed: Option<Aov>,
+    /// Judged by the whole picture, less what is not simulated, in place of `images`.
+    picture: bool,
     /// Needs paths beyond the first bounce.
     indirect: bool,
+    filter: Filter,
 }
 
-const RECIPES: [Recipe; 5] = [
-    Recipe { role: "direct-visibility", kind: Kind::Visibility, images: visibilities, composed: Some(Aov::Direct), indirect: false },
-    Recipe { role: "ambient-visibility", kind: Kind::Fraction, images: |_| vec![Aov::AmbientVisibility], composed: None, indirect: false },
-    Recipe { role: "diffuse-indirect", kind: Kind::Light, images: |_| vec![Aov::DiffuseIndirect], composed: None, indirect: true },
-    Recipe { role: "specular-indirect", kind: Kind::Light, images: |_| vec![Aov::SpecularIndirect], composed: None, indirect: true },
-    Recipe { role: "light-sampling", kind: Kind::Light, images: |_| vec![Aov::Direct], composed: None, indirect: false },
+impl Recipe {
+    const fn new(role: &'static str, kind: Kind, images: fn(&Tracer) -> Vec<Aov>) -> Self {
+        Self { role, kind, images, composed: None, picture: false, indirect: false, filter: Filter::Center }
+    }
+
+    /// False where the scene has nothing to judge the role by.
+    fn applies(&self, tracer: &Tracer) -> bool {
+        self.picture || !(self.images)(tracer).is_empty()
+    }
+}
+
+const RECIPES: [Recipe; 6] = [
+    Recipe { composed: Some(Aov::Direct), ..Recipe::new("direct-visibility", Kind::Visibility, visibilities) },
+    Recipe::new("ambient-visibility", Kind::Fraction, |_| vec![Aov::AmbientVisibility]),
+    Recipe { indirect: true, ..Recipe::new("diffuse-indirect", Kind::Light, |_| vec![Aov::DiffuseIndirect]) },
+    Recipe { indirect: true, ..Recipe::new("specular-indirect", Kind::Light, |_| vec![Aov::SpecularIndirect]) },
+    Recipe::new("light-sampling", Kind::Light, |_| vec![Aov::Direct]),
+    Recipe { picture: true, filter: Filter::Box, ..Recipe::new("anti-alias", Kind::Light, |_| vec![]) },
 ];
 
 /// Most lights whose visibility is judged, each by an image of its own: film and takes of all of them must fit in memory.
@@ -86,17 +108,44 @@ pub fn references(
     progress: &dyn Progress,
     share: &(dyn Fn(f64) -> f64 + Sync),
 ) -> Result<Option<References>, LabError> {
-    let recipes: Vec<Recipe> = RECIPES.into_iter().filter(|r| roles.contains(&r.role) && !(r.images)(tracer).is_empty()).collect();
-    if recipes.is_empty() {
-        return Ok(Some(References { judges: BTreeMap::new(), spp: 0, seconds: 0.0, rays: 0, invalid_samples: 0 }));
+    let recipes: Vec<Recipe> = RECIPES.into_iter().filter(|r| roles.contains(&r.role) && r.applies(tracer)).collect();
+    let mut filters: Vec<Filter> = Vec::new();
+    recipes.iter().for_each(|r| {
+        if !filters.contains(&r.filter) {
+            filters.push(r.filter);
+        }
+    });
+    let mut out = References { judges: BTreeMap::new(), renderings: BTreeMap::new(), invalid_samples: 0 };
+    for (i, filter) in filters.iter().enumerate() {
+        let group: Vec<Recipe> = recipes.iter().filter(|r| r.filter == *filter).cloned().collect();
+        let part = |f: f64| share((i as f64 + f) / filters.len() as f64);
+        let Some((judges, frame)) = rendering(tracer, &group, base, stop, progress, &part)? else { return Ok(None) };
+        out.renderings.extend(group.iter().map(|r| (r.role, Rendering { spp: frame.spp, seconds: frame.seconds, rays: frame.rays })));
+        out.judges.extend(judges);
+        out.invalid_samples += frame.invalid_samples;
     }
+    Ok(Some(out))
+}
+
+/// Judges by role, and the frame that they come from.
+type Judged = (BTreeMap<&'static str, Judge>, Frame);
+
+/// One rendering, for roles of one pixel filter.
+fn rendering(
+    tracer: &Tracer,
+    recipes: &[Recipe],
+    base: &Settings,
+    stop: ReferenceStop,
+    progress: &dyn Progress,
+    share: &(dyn Fn(f64) -> f64 + Sync),
+) -> Result<Option<Judged>, LabError> {
     let mut aovs: Vec<Aov> = recipes.iter().flat_map(|r| (r.images)(tracer).into_iter().chain(r.composed.clone())).collect();
-    if recipes.iter().any(|r| r.composed.is_some()) {
+    if recipes.iter().any(|r| r.composed.is_some() || r.picture) {
         aovs.extend(not_simulated_direct(tracer));
     }
     aovs.push(Aov::Coverage);
     let integrator = if recipes.iter().any(|r| r.indirect) { Integrator::Path } else { Integrator::Direct };
-    let settings = Settings { integrator, filter: Filter::Center, aovs, ..base.clone() };
+    let settings = Settings { integrator, filter: recipes[0].filter, aovs, ..base.clone() };
     let control = |p: &kajo_path_tracer::Progress| {
         progress.at("reference", share(f64::from(p.fraction)));
         if progress.interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -112,11 +161,10 @@ pub fn references(
             return Ok(None);
         }
         let frame = rendered.develop();
-        let judges = judges(tracer, &recipes, &frame);
+        let judges = judges(tracer, recipes, &frame);
         let noise = judges.values().filter_map(Judge::relative_standard_error).fold(0.0, f64::max);
         if goal >= last || noise <= wanted {
-            let Frame { spp, seconds, rays, invalid_samples, .. } = frame;
-            return Ok(Some(References { judges, spp, seconds, rays, invalid_samples }));
+            return Ok(Some((judges, frame)));
         }
         goal = next_goal(goal, noise / wanted).min(last);
         film = Some(rendered);
@@ -132,8 +180,8 @@ fn next_goal(spp: u32, excess: f64) -> u32 {
 
 fn judges(tracer: &Tracer, recipes: &[Recipe], frame: &Frame) -> BTreeMap<&'static str, Judge> {
     let coverage = frame.image(&Aov::Coverage.to_string()).map(|image| image.pixels.to_color());
-    let part = |aov: &Aov| {
-        let image = frame.image(&aov.to_string()).expect("an image that was asked for");
+    let part = |aov: &str| {
+        let image = frame.image(aov).expect("an image that was asked for");
         let variance = image.variance.as_ref().map(Pixels::to_color).filter(|v| v.pixels().iter().all(|p| p.is_finite()));
         Part { name: image.name.clone(), image: image.pixels.to_color(), variance }
     };
@@ -147,10 +195,19 @@ fn judges(tracer: &Tracer, recipes: &[Recipe], frame: &Frame) -> BTreeMap<&'stat
         Image::from_pixels(whole.size(), pixels.collect())
     };
     let judge = |recipe: &Recipe| Judge {
-        parts: (recipe.images)(tracer).iter().map(part).collect(),
+        parts: if recipe.picture {
+            let whole = part("beauty");
+            vec![Part { image: simulated(&whole.image), ..whole }]
+        } else {
+            (recipe.images)(tracer).iter().map(|aov| part(&aov.to_string())).collect()
+        },
         mask: coverage.as_ref().filter(|_| recipe.kind != Kind::Light).map(mask),
         kind: recipe.kind,
-        composed: recipe.composed.as_ref().map(part).map(|part| Composed { simulated: Some(simulated(&part.image)), part }),
+        composed: recipe
+            .composed
+            .as_ref()
+            .map(|aov| part(&aov.to_string()))
+            .map(|part| Composed { simulated: Some(simulated(&part.image)), part }),
     };
     recipes.iter().map(|recipe| (recipe.role, judge(recipe))).collect()
 }
@@ -186,8 +243,8 @@ mod tests {
         let tracer = tracer("builtin:shadows");
         let roles: Vec<&str> = judged_roles().collect();
         let found = render_all(&tracer, &roles, ReferenceStop::Spp(8));
-        assert_eq!(found.spp, 8);
         for role in roles {
+            assert_eq!(found.renderings[role].spp, 8, "{role}");
             let judge = &found.judges[role];
             assert_eq!(judge.size(), UVec2::new(32, 24), "{role}");
             assert!(judge.stacked_variance().is_some(), "{role}");
@@ -222,7 +279,30 @@ mod tests {
         let (few, many) = (floor(ReferenceStop::Spp(16)), floor(ReferenceStop::Spp(256)));
         assert!(many < 0.5 * few && many > 0.0, "{few} {many}");
         let quiet = render_all(&tracer, &["direct-visibility"], ReferenceStop::Noise(0.01));
-        assert!(quiet.judges["direct-visibility"].relative_standard_error().unwrap() <= 0.01 && quiet.spp > 16, "{}", quiet.spp);
+        assert!(
+            quiet.judges["direct-visibility"].relative_standard_error().unwrap() <= 0.01 && quiet.renderings["direct-visibility"].spp > 16
+        );
+    }
+
+    /// The area of the pixel, and no light of the sky on things: what the real-time renderer can draw.
+    #[test]
+    fn anti_aliasing_is_judged_by_the_area_of_pixels_without_what_is_not_simulated() {
+        let mut scene = load("builtin:shadows", &LoadOptions::default()).unwrap();
+        scene.environment = None;
+        let make = |scene: &kajo_scene::Scene| {
+            let tracer = Tracer::new(scene, Snapshot::new(scene, Seconds(0.0))).unwrap();
+            render_all(&tracer, &["anti-alias", "direct-visibility"], ReferenceStop::Spp(32)).judges.remove("anti-alias").unwrap()
+        };
+        let black = make(&scene);
+        scene.environment = Some(kajo_scene::Environment::uniform(LinearRgb::splat(0.5)));
+        let lit = make(&scene);
+        assert_eq!(black.parts[0].name, "beauty");
+        let (mut surfaces, mut sky) = (0.0f32, 0.0f32);
+        for (a, b) in black.parts[0].image.pixels().iter().zip(lit.parts[0].image.pixels()) {
+            let change = (b.0 - a.0).max_element();
+            if change < 0.05 { surfaces = surfaces.max(change) } else { sky = sky.max(change) }
+        }
+        assert!(surfaces < 0.02 && (sky == 0.0 || sky <= 0.51), "surfaces gain {surfaces}, the sky {sky}");
     }
 
     #[test]

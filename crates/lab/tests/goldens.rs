@@ -75,7 +75,10 @@ fn frame(device: &Device, technique: &'static Technique, scene: &str, backend: O
     let roles = RoleSelection::new().choose(technique.id, &[]).unwrap();
     // Bright enough that every tone map has highlights to compress.
     let settings = FrameSettings { exposure: Some(1.5), jitter, ambient_distance: 0.5, ambient: true, ..FrameSettings::default() };
-    picture(technique.role, &renderer.render(&roles, &settings).unwrap())
+    // What keeps a history shows what becomes of it.
+    let settled = renderer.history(&roles).unwrap().max(1);
+    let frames = (0..settled).map(|index| renderer.render(&roles, &FrameSettings { index, ..settings }).unwrap());
+    picture(technique.role, &frames.last().unwrap())
 }
 
 fn traced(scene: &str) -> Image<Srgb8> {

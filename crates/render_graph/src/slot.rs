@@ -51,7 +51,7 @@ slots! {
     F0_ROUGHNESS = "f0_roughness", Rgba16Float, One, "1";
     /// The other layers of the material, packed: clear coat, sheen, anisotropy, transmission, film.
     LAYERS = "layers", Rgba32Uint, One, "1";
-    /// Emitted radiance of the surface.
+    /// Emitted radiance of the surface; in the fourth channel the point's distance along the viewing axis one frame ago over that of now.
     EMISSION = "emission", Rgba16Float, One, "W/(m² sr)";
     /// Radiance of the environment where no surface is seen, and of lights with an extent in front of what is seen.
     BACKGROUND = "background", Rgba32Float, One, "W/(m² sr)";
@@ -73,6 +73,8 @@ slots! {
     DIRECT_BEFORE = "direct_before", Rgba32Float, One, "W/(m² sr)";
     /// The linear picture before exposure.
     COLOR = "color", Rgba32Float, One, "W/(m² sr)";
+    /// The same after anti-aliasing.
+    RESOLVED = "resolved", Rgba32Float, One, "W/(m² sr)";
     /// The picture after exposure and tone map, encoded for sRGB displays.
     DISPLAY = "display", Rgba8Unorm, One, "sRGB";
 }

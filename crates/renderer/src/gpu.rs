@@ -23,7 +23,8 @@ pub(crate) struct GpuFrame {
     pub environment_rotation: f32,
     pub perspective: u32,
     pub environment_image: u32,
-    pub padding: [u32; 2],
+    pub depth_range: f32,
+    pub padding: u32,
 }
 
 /// Twin of `scene::Instance`.

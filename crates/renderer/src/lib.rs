@@ -19,6 +19,7 @@
 mod error;
 mod gpu;
 mod ignored;
+mod motion;
 mod output;
 mod passes;
 mod read;

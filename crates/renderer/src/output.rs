@@ -10,7 +10,7 @@ use kajo_units::{LinearRgb, Srgb8};
 /// A rendered frame, on the CPU.
 #[derive(Clone, Debug)]
 pub struct FrameOutput {
-    /// The linear picture before exposure, W/(m² sr).
+    /// The linear picture after anti-aliasing and before exposure, W/(m² sr).
     pub color: Image<LinearRgb>,
     /// The picture for a display: exposed, tone mapped, encoded.
     pub display: Image<Srgb8>,

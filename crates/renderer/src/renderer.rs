@@ -12,7 +12,7 @@ use crate::upload::materials;
 use crate::upload::tables::ModelTables;
 use crate::upload::textures::Textures;
 use crate::upload::trace::TraceScene;
-use crate::{Error, ignored, read};
+use crate::{Error, ignored, motion, read};
 use glam::{Mat4, Vec3};
 use kajo_bsdf::models::ModelEntry;
 use kajo_image::Image;
@@ -53,6 +53,10 @@ pub struct Renderer {
     forward: Option<Forward>,
     effects: Vec<Made>,
     pool: Pool,
+    /// Number of the last frame since the scene was moved.
+    last_index: Option<u32>,
+    /// Nothing moved since the frame before.
+    still: bool,
 }
 
 /// A technique at work, with a device that counts its memory.
@@ -60,6 +64,8 @@ struct Made {
     choice: Choice,
     device: Device,
     effect: Box<dyn Effect>,
+    /// What was chosen for all roles in its last frame.
+    beside: Option<RoleSelection>,
 }
 
 impl Made {
@@ -68,6 +74,14 @@ impl Made {
         let slots: u64 = written.iter().filter_map(|slot| pool.get(*slot)).map(Texture::bytes).sum();
         (self.choice.technique.id, self.device.memory_bytes() + slots)
     }
+}
+
+/// The techniques of a frame.
+struct Effects {
+    shadow: Made,
+    ambient: Made,
+    anti_alias: Made,
+    tone: Made,
 }
 
 /// The reflectance models that materials name, each once.
@@ -126,6 +140,8 @@ impl Renderer {
             forward: if blendable { Some(Forward::new(setup, settings.light_samples)?) } else { None },
             effects: Vec::new(),
             pool: Pool::new(settings.size, layers),
+            last_index: None,
+            still: true,
             geometry,
             textures,
             trace,
@@ -138,8 +154,8 @@ impl Renderer {
         Ok(out)
     }
 
-    /// Moves the scene to `current`; motion vectors are measured against `previous`, the snapshot of one frame ago. Both must be
-    /// snapshots of the scene that the renderer was made with.
+    /// Moves the scene to `current`; motion vectors of the next frame are measured against `previous`, the snapshot of one frame ago. Both must
+    /// be snapshots of the scene that the renderer was made with. Frames after the next one show a scene at rest until it is moved again.
     ///
     /// # Errors
     /// When the device refuses.
@@ -156,6 +172,8 @@ impl Renderer {
         let count = self.lights.list.len();
         self.watched = if all { (0..count).collect() } else { self.watched.iter().copied().filter(|&light| light < count).collect() };
         self.bounds = bounds(current);
+        self.still = motion::none(&self.current, current) && motion::none(current, previous);
+        self.last_index = None;
         self.current = current.clone();
         self.previous = previous.clone();
         self.device.wait()?;
@@ -189,54 +207,99 @@ impl Renderer {
         self.textures.count()
     }
 
-    /// The camera of the frame.
+    /// The camera of a frame whose technique of the role anti-alias does not choose where pixels are sampled.
     pub fn view(&self, settings: &FrameSettings) -> View {
         self.view_of(&self.current).jittered(settings.jitter)
     }
 
-    /// Renders one frame and reads it back.
+    /// Renders one frame and reads it back. What techniques keep from frame to frame goes on where `settings.index` follows that of the frame
+    /// before, and begins anew elsewhere.
     ///
     /// # Errors
     /// When a chosen technique cannot run on this device, or the device refuses or is lost.
     pub fn render(&mut self, roles: &RoleSelection, settings: &FrameSettings) -> Result<FrameOutput, Error> {
-        let view = self.view(settings);
+        if self.last_index.is_some_and(|last| last != settings.index) {
+            self.rest()?;
+        }
+        self.last_index = Some(settings.index);
+        let mut made = Effects {
+            shadow: self.take_effect(roles, Role::DirectVisibility)?,
+            ambient: self.take_effect(roles, Role::AmbientVisibility)?,
+            anti_alias: self.take_effect(roles, Role::AntiAlias)?,
+            tone: self.take_effect(roles, Role::ToneMap)?,
+        };
+        let still = self.still;
+        self.still &= made.anti_alias.beside.as_ref().is_none_or(|beside| beside == roles);
+        made.anti_alias.beside = Some(roles.clone());
+        let jitter = settings.jitter + made.anti_alias.effect.jitter(settings.index);
+        let view = self.view_of(&self.current).jittered(jitter);
         self.upload_frame(&view, settings);
-        let mut shadow = self.take_effect(roles, Role::DirectVisibility)?;
-        let mut ambient = self.take_effect(roles, Role::AmbientVisibility)?;
-        let mut tone = self.take_effect(roles, Role::ToneMap)?;
-        let rendered = self.run(&view, settings, [&mut shadow, &mut ambient, &mut tone]);
-        self.effects.extend([shadow, ambient, tone]);
+        let rendered = self.run(&view, settings, &mut made);
+        self.effects.extend([made.shadow, made.ambient, made.anti_alias, made.tone]);
+        self.still = still;
         rendered
     }
 
-    /// The mean of `count` frames (1 or more), each sampled elsewhere in its pixels, at the points of the Halton sequence in bases 2 and 3, with random
-    /// numbers of its own: smooth edges, and less noise from techniques that have some. `color` and `direct` are means, timings and rays are
-    /// sums; everything else is the last frame's.
+    /// Frames after which the picture of these techniques has forgotten how it began; 0 where no technique keeps anything from frame to frame.
+    ///
+    /// # Errors
+    /// When a chosen technique cannot run on this device.
+    pub fn history(&mut self, roles: &RoleSelection) -> Result<u32, Error> {
+        let mut longest = 0;
+        for role in [Role::DirectVisibility, Role::AmbientVisibility, Role::AntiAlias] {
+            let made = self.take_effect(roles, role)?;
+            longest = longest.max(made.effect.history());
+            self.effects.push(made);
+        }
+        Ok(longest)
+    }
+
+    /// `count` frames (1 or more), each sampled elsewhere in its pixels, with random numbers of its own: smooth edges, and less noise from techniques
+    /// that have some. `color` is their mean, at the points of the Halton sequence in bases 2 and 3; or what the technique of the role anti-alias
+    /// made of them, where that keeps a history. `direct` is their mean, timings and rays are sums; the G-buffer is the first frame's, everything
+    /// else the last one's.
     ///
     /// # Errors
     /// Those of [`Renderer::render`].
     pub fn accumulate(&mut self, roles: &RoleSelection, settings: &FrameSettings, count: u32) -> Result<FrameOutput, Error> {
+        let gathers = self.history(roles)? > 0;
         let mut mean: Option<FrameOutput> = None;
         for i in 0..count.max(1) {
             // Point 0 is the corner of the square.
-            let jitter = settings.jitter + halton_2d(i + 1) - 0.5;
-            let mut frame = self.render(roles, &FrameSettings { index: settings.index.wrapping_add(i), jitter, ..*settings })?;
+            let jitter = if gathers { settings.jitter } else { settings.jitter + halton_2d(i + 1) - 0.5 };
+            let gbuffer = settings.gbuffer && i == 0;
+            let mut frame = self.render(roles, &FrameSettings { index: settings.index.wrapping_add(i), jitter, gbuffer, ..*settings })?;
             if let Some(before) = mean {
                 let share = 1.0 / (i + 1) as f32;
                 let blend = |now: &Image<LinearRgb>, old: &Image<LinearRgb>| {
                     Image::from_fn(now.size(), |x, y| *old.get(x, y) * (1.0 - share) + *now.get(x, y) * share)
                 };
-                (frame.color, frame.direct) = (blend(&frame.color, &before.color), blend(&frame.direct, &before.direct));
+                if !gathers {
+                    frame.color = blend(&frame.color, &before.color);
+                }
+                frame.direct = blend(&frame.direct, &before.direct);
                 frame.timings.merge(&before.timings);
                 frame.rays += before.rays;
                 frame.technique_rays.iter_mut().zip(before.technique_rays).for_each(|(now, before)| now.1 += before.1);
+                frame.gbuffer = before.gbuffer;
             }
             mean = Some(frame);
         }
         Ok(mean.expect("at least one frame"))
     }
 
-    fn run(&mut self, view: &View, settings: &FrameSettings, [shadow, ambient, tone]: [&mut Made; 3]) -> Result<FrameOutput, Error> {
+    /// The scene has not been moved since the last frame.
+    fn rest(&mut self) -> Result<(), Error> {
+        self.still = true;
+        if !self.geometry.holds(&self.current, &self.current) {
+            self.geometry = Geometry::new(&self.device, &self.current, &self.current, &self.scene)?;
+        }
+        self.previous = self.current.clone();
+        Ok(())
+    }
+
+    fn run(&mut self, view: &View, settings: &FrameSettings, made: &mut Effects) -> Result<FrameOutput, Error> {
+        let Effects { shadow, ambient, anti_alias, tone } = made;
         let device = self.device.clone();
         let mut pool = std::mem::take(&mut self.pool);
         let rays_before = [shadow.effect.rays(&device)?, ambient.effect.rays(&device)?];
@@ -294,7 +357,9 @@ impl Renderer {
         }
 
         let last = FrameContext { device: &tone.device, ..self.context(view, settings, 0, 0) };
+        let resolving = FrameContext { device: &anti_alias.device, ..self.context(view, settings, 0, 0) };
         let order = self.far_to_near(view);
+        anti_alias.effect.prepare(&resolving)?;
         tone.effect.prepare(&last)?;
         let mut graph = Graph::new();
         graph.import(&made_first());
@@ -302,13 +367,14 @@ impl Renderer {
         if let (Some(forward), false) = (&self.forward, order.is_empty()) {
             forward.record_blended(&last, &order, &mut graph);
         }
+        anti_alias.effect.record(&resolving, &mut graph);
         tone.effect.record(&last, &mut graph);
-        let displayed = graph.written_by(tone.choice.technique.id);
+        let [resolved, displayed] = [&*anti_alias, &*tone].map(|made| graph.written_by(made.choice.technique.id));
         timings.merge(&graph.execute(&device, &mut pool)?);
 
         let rays = [shadow.effect.rays(&device)? - rays_before[0], ambient.effect.rays(&device)? - rays_before[1]];
         let output = FrameOutput {
-            color: read::radiance(&device, &pool, slot::COLOR)?,
+            color: read::radiance(&device, &pool, slot::RESOLVED)?,
             display: read::display(&device, &pool)?,
             direct: read::radiance(&device, &pool, slot::DIRECT)?,
             visibility,
@@ -316,13 +382,21 @@ impl Renderer {
             gbuffer: if settings.gbuffer { Some(read::gbuffer(&device, &pool, view)?) } else { None },
             timings,
             memory_bytes: device.memory_bytes(),
-            technique_bytes: vec![shadow.bytes(&written, &pool), tone.bytes(&displayed, &pool), ambient.bytes(&looked_around, &pool)],
+            technique_bytes: vec![
+                shadow.bytes(&written, &pool),
+                ambient.bytes(&looked_around, &pool),
+                anti_alias.bytes(&resolved, &pool),
+                tone.bytes(&displayed, &pool),
+            ],
             rays: rays.iter().sum(),
             technique_rays: vec![(shadow.choice.technique.id, rays[0]), (ambient.choice.technique.id, rays[1])],
             shaded_pixels: if self.lights.list.is_empty() { 0 } else { self.direct.shaded(&device)? },
             statistics,
             debug,
-            ignored: self.ignored().into_iter().chain(shadow.effect.notes()).chain(ambient.effect.notes()).collect(),
+            ignored: [&*shadow, &*ambient, &*anti_alias].iter().fold(self.ignored(), |mut all, made| {
+                all.extend(made.effect.notes());
+                all
+            }),
         };
         self.pool = pool;
         Ok(output)
@@ -341,7 +415,7 @@ impl Renderer {
         let variant = Variant { backend: self.backend, bindless: self.textures.is_list(), models: &self.models };
         let context = MakeContext { device: &device, variant, textures: self.textures.count() };
         let effect = choice.technique.build(&context, &choice.params)?;
-        Ok(Made { choice, device, effect })
+        Ok(Made { choice, device, effect, beside: None })
     }
 
     fn view_of(&self, snapshot: &Snapshot) -> View {
@@ -368,13 +442,14 @@ impl Renderer {
             light_count: self.lights.list.len() as u32,
             forward: view.relative_from_view.transform_vector3(Vec3::NEG_Z).to_array(),
             near: view.near,
-            jitter: settings.jitter.to_array(),
+            jitter: view.jitter.to_array(),
             size: view.size.to_array(),
             environment_scale: environment.map_or(LinearRgb::BLACK, |e: &Environment| e.scale).0.to_array(),
             environment_rotation: environment.map_or(0.0, |e| e.rotation.0),
             perspective: u32::from(view.perspective),
             environment_image: u32::from(environment.is_some_and(|e| e.image.is_some())),
-            padding: [0; 2],
+            depth_range: view.depth_range(),
+            padding: 0,
         };
         self.frame.write(&device.queue, bytemuck::bytes_of(&frame));
         self.geometry.place(device, &self.scene, &self.current, &self.previous, view.position, previous.position);
@@ -395,6 +470,7 @@ impl Renderer {
             device: &self.device,
             view: *view,
             index: settings.index,
+            still: self.still,
             lights: &self.lights.list[start..start + count],
             first_light: start as u32,
             draws: &self.geometry.draws,

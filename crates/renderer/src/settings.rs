@@ -32,9 +32,9 @@ impl RendererSettings {
 /// What changes from frame to frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameSettings {
-    /// Number of the frame: random numbers depend on it.
+    /// Number of the frame: random numbers depend on it, and what is kept from frame to frame belongs to the number before.
     pub index: u32,
-    /// Where in each pixel is sampled, from its centre, px, x right and y down.
+    /// Where in each pixel is sampled, from its centre, px, x right and y down; what the technique of the role anti-alias chooses is added.
     pub jitter: Vec2,
     /// Exposure in stops; `None` takes the scene's, or 0.
     pub exposure: Option<f32>,

@@ -132,6 +132,8 @@ pub struct FrameContext<'a> {
     pub view: View,
     /// Number of the frame: random numbers depend on it.
     pub index: u32,
+    /// Nothing has moved since the frame before, and no other technique was chosen.
+    pub still: bool,
     /// Lights of this group.
     pub lights: &'a [FrameLight],
     /// Index of the first of them in the list on the device.

@@ -3,6 +3,7 @@
 //! Command line, viewer, lab and documents iterate over [`all`] and know no technique by name. A technique is data ([`Technique`]) and what it
 //! does once it is made for a scene ([`Effect`]): passes that read the G-buffer's slots and write the role's.
 
+pub mod aa;
 pub mod ao;
 mod error;
 mod frame;
@@ -30,7 +31,7 @@ use kajo_params::ParamValues;
 
 /// Every technique, in the order of every list.
 pub fn all() -> impl Iterator<Item = &'static Technique> {
-    shadow::ALL.iter().chain(ao::ALL).chain(tone::ALL).copied()
+    shadow::ALL.iter().chain(ao::ALL).chain(aa::ALL).chain(tone::ALL).copied()
 }
 
 /// The techniques of one role.

@@ -106,7 +106,7 @@ impl Role {
                 estimates: "the mean over each pixel's area",
                 unit: "as its input",
                 judged_by: "beauty",
-                output: None,
+                output: Some(slot::RESOLVED),
             },
             Self::ToneMap => RoleData {
                 id: "tone-map",

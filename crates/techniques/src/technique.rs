@@ -1,6 +1,7 @@
 //! A technique as data, and what it does once it is made.
 
 use crate::{DebugView, Error, FrameContext, MakeContext, Needs, Role, Statistic};
+use glam::Vec2;
 use kajo_params::{ParamSpec, ParamValues};
 use kajo_render_graph::{Device, Graph, Pool, Slot, Timings};
 use kajo_scene::Ignored;
@@ -75,6 +76,17 @@ pub trait Effect {
 
     /// Adds its passes to the graph.
     fn record<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>);
+
+    /// Where in its pixels frame `index` is to be sampled, from their centres, px, x right and y down: techniques of the role anti-alias choose.
+    fn jitter(&self, _index: u32) -> Vec2 {
+        Vec2::ZERO
+    }
+
+    /// Frames after which its output has forgotten how it began; 0 for techniques that keep nothing from frame to frame. What is kept belongs
+    /// to the frame before: where numbers of frames do not follow each other it begins anew.
+    fn history(&self) -> u32 {
+        0
+    }
 
     /// Rays traced since it was made, where it traces any. Waits for the device.
     ///

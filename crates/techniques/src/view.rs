@@ -56,6 +56,11 @@ impl View {
         Mat4::from_translation(shift.extend(0.0)) * self.clip_from_relative()
     }
 
+    /// Distance from the near plane to the far plane of parallel projection, m; 0 for perspective, which has no far plane.
+    pub fn depth_range(&self) -> f32 {
+        if self.perspective { 0.0 } else { 1.0 / self.clip_from_view.z_axis.z }
+    }
+
     /// Where a point of the world appears, px, x right and y down; `None` behind a perspective camera.
     pub fn project(&self, world: Vec3) -> Option<Vec2> {
         let clip = self.clip_from_relative() * (world - self.position).extend(1.0);

@@ -2,6 +2,7 @@
 
 mod accumulation;
 mod ambient;
+mod anti_alias;
 mod display;
 mod emissive;
 mod gbuffer;

@@ -13,7 +13,7 @@ use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Graph, Pipeli
 pub const ALL: &[&Technique] = &[&agx::TECHNIQUE, &pbr_neutral::TECHNIQUE, &aces::TECHNIQUE, &linear::TECHNIQUE];
 
 /// What every curve reads.
-const READS: &[Slot] = &[slot::COLOR];
+const READS: &[Slot] = &[slot::RESOLVED];
 
 /// Numbers of the curves, as in `shader_lib::tone_map`.
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +65,7 @@ impl Effect for ToneMap {
         graph.pass(Access::new(self.id).reads(READS).writes(&[slot::DISPLAY]), move |pass| {
             let own = Bindings::new()
                 .with("params", &self.params)
-                .with("color", pass.view(slot::COLOR)?)
+                .with("color", pass.view(slot::RESOLVED)?)
                 .with("display", pass.view(slot::DISPLAY)?);
             self.pipeline.dispatch(pass.device, pass.encoder, &Bindings::new(), &own, frame.size().extend(1))
         });

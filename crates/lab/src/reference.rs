@@ -35,12 +35,13 @@ pub struct Rendering {
 }
 
 /// How the path tracer judges a role.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Recipe {
     role: &'static str,
     kind: Kind,
     images: fn(&Tracer) -> Vec<Aov>,
-    composed: Option<Aov>,
+    /// Used in the picture of the direct light, which is compared, too.
+    composed: bool,
     /// Judged by the whole picture, less what is not simulated, in place of `images`.
     picture: bool,
     /// Needs paths beyond the first bounce.
@@ -50,7 +51,7 @@ struct Recipe {
 
 impl Recipe {
     const fn new(role: &'static str, kind: Kind, images: fn(&Tracer) -> Vec<Aov>) -> Self {
-        Self { role, kind, images, composed: None, picture: false, indirect: false, filter: Filter::Center }
+        Self { role, kind, images, composed: false, picture: false, indirect: false, filter: Filter::Center }
     }
 
     /// False where the scene has nothing to judge the role by.
@@ -60,7 +61,7 @@ impl Recipe {
 }
 
 const RECIPES: [Recipe; 6] = [
-    Recipe { composed: Some(Aov::Direct), ..Recipe::new("direct-visibility", Kind::Visibility, visibilities) },
+    Recipe { composed: true, ..Recipe::new("direct-visibility", Kind::Visibility, visibilities) },
     Recipe::new("ambient-visibility", Kind::Fraction, |_| vec![Aov::AmbientVisibility]),
     Recipe { indirect: true, ..Recipe::new("diffuse-indirect", Kind::Light, |_| vec![Aov::DiffuseIndirect]) },
     Recipe { indirect: true, ..Recipe::new("specular-indirect", Kind::Light, |_| vec![Aov::SpecularIndirect]) },
@@ -117,7 +118,7 @@ pub fn references(
     });
     let mut out = References { judges: BTreeMap::new(), renderings: BTreeMap::new(), invalid_samples: 0 };
     for (i, filter) in filters.iter().enumerate() {
-        let group: Vec<Recipe> = recipes.iter().filter(|r| r.filter == *filter).cloned().collect();
+        let group: Vec<Recipe> = recipes.iter().filter(|r| r.filter == *filter).copied().collect();
         let part = |f: f64| share((i as f64 + f) / filters.len() as f64);
         let Some((judges, frame)) = rendering(tracer, &group, base, stop, progress, &part)? else { return Ok(None) };
         out.renderings.extend(group.iter().map(|r| (r.role, Rendering { spp: frame.spp, seconds: frame.seconds, rays: frame.rays })));
@@ -139,8 +140,8 @@ fn rendering(
     progress: &dyn Progress,
     share: &(dyn Fn(f64) -> f64 + Sync),
 ) -> Result<Option<Judged>, LabError> {
-    let mut aovs: Vec<Aov> = recipes.iter().flat_map(|r| (r.images)(tracer).into_iter().chain(r.composed.clone())).collect();
-    if recipes.iter().any(|r| r.composed.is_some() || r.picture) {
+    let mut aovs: Vec<Aov> = recipes.iter().flat_map(|r| (r.images)(tracer).into_iter().chain(r.composed.then_some(Aov::Direct))).collect();
+    if recipes.iter().any(|r| r.composed || r.picture) {
         aovs.extend(not_simulated_direct(tracer));
     }
     aovs.push(Aov::Coverage);
@@ -203,11 +204,7 @@ fn judges(tracer: &Tracer, recipes: &[Recipe], frame: &Frame) -> BTreeMap<&'stat
         },
         mask: coverage.as_ref().filter(|_| recipe.kind != Kind::Light).map(mask),
         kind: recipe.kind,
-        composed: recipe
-            .composed
-            .as_ref()
-            .map(|aov| part(&aov.to_string()))
-            .map(|part| Composed { simulated: Some(simulated(&part.image)), part }),
+        composed: recipe.composed.then(|| part("direct")).map(|part| Composed { simulated: Some(simulated(&part.image)), part }),
     };
     recipes.iter().map(|recipe| (recipe.role, judge(recipe))).collect()
 }

@@ -25,6 +25,7 @@ pub fn settings(tracing: &Tracing, size: UVec2, camera: usize, spp: u32) -> Sett
         size,
         camera: CameraChoice::Index(camera),
         max_depth: max_depth(tracing),
+        strategy: tracing.strategy.unwrap_or_default(),
         russian_roulette: if tracing.no_rr { RussianRoulette::Off } else { RussianRoulette::default() },
         sampler: match tracing.sampler.unwrap_or(SamplerChoice::Sobol) {
             SamplerChoice::Sobol => SamplerKind::Sobol,

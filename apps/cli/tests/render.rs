@@ -46,6 +46,18 @@ fn statistics_have_the_keys_of_the_contract() {
     assert_eq!(stats["spp"], 4);
 }
 
+/// Light sampling alone takes the textbook's rays: at most camera, shadow, bounce, shadow, and one a pixel in each of two looks for edges and highlights.
+#[test]
+fn light_sampling_alone_takes_four_rays_for_two_bounces() {
+    let folder = tempfile::tempdir().unwrap();
+    let rays = |strategy: &str| {
+        let words = ["--spp", "8", "--max-depth", "2", "--strategy", strategy, "-o", "a.exr", "--json"];
+        json(folder.path(), &[&SMALL[..], &words].concat())["rays"].as_f64().unwrap() / (32.0 * 32.0 * 8.0)
+    };
+    let (lights, mis) = (rays("lights"), rays("mis"));
+    assert!((3.0..4.0 + 2.0 / 8.0).contains(&lights) && mis > lights + 1.0, "{lights} and {mis} rays a sample");
+}
+
 #[test]
 fn the_noise_level_is_reached() {
     let folder = tempfile::tempdir().unwrap();

@@ -148,9 +148,9 @@ fn see(cx: &Context, view: &CameraView, y: u32, row: &mut [Seen]) -> u64 {
         }
         cx.world.closest_of(&rays, &mut hits);
         for (x, (seen, &hit)) in chunk.iter_mut().zip(&hits).enumerate() {
-            let mut sampler = Sampler::new(cx.settings.sampler, cx.settings.seed, pixel(x), 0);
+            let sampler = Sampler::new(cx.settings.sampler, cx.settings.seed, pixel(x), 0);
             let (start, mut chance) = (TracedRay { ray: rays.ray(x), hit }, Chance::new(key(pixel(x))));
-            direct.path(start, CHOICE_DIMENSIONS, &mut sampler, &mut chance, seen);
+            direct.path(start, CHOICE_DIMENSIONS, &sampler, &mut chance, seen);
             count += 1 + chance.rays;
             if !(seen.emission + seen.direct).is_finite() {
                 *seen = Seen::default();

@@ -121,8 +121,8 @@ impl Pixels<'_> {
             Extra::Nothing => {}
             Extra::Lamps => self.cx.emission(start, sink),
             Extra::Direct => {
-                let mut sampler = self.extra_sampler(sample.pixel, sample.number, sub);
-                self.cx.direct_only().path(start, EXTRA_DIMENSIONS + 1, &mut sampler, &mut sample.chance, sink);
+                let sampler = self.extra_sampler(sample.pixel, sample.number, sub);
+                self.cx.direct_only().path(start, EXTRA_DIMENSIONS + 1, &sampler, &mut sample.chance, sink);
             }
         }
     }
@@ -199,8 +199,9 @@ impl<S: Sink> Sink for Share<'_, S> {
 mod tests {
     use super::*;
     use crate::film::FilmLayout;
-    use crate::tests::scenes::{cornell, sized, tracer};
+    use crate::tests::scenes::{Stage, at, cornell, floor, lambert, mirror, sized, tracer};
     use crate::{Settings, Tracer};
+    use glam::Vec3;
 
     impl<'a> Pixels<'a> {
         /// The pixels of the first camera without additional rays.
@@ -240,12 +241,31 @@ mod tests {
                 let ray = pixels.camera_ray(pixel, &mut sample.sampler);
                 let start = TracedRay { ray, hit: pixels.cx.world.closest(&ray, None, 0) };
                 pixels.extra(&mut sample, 0, start, &mut brought);
-                pixels.cx.path(start, 0, &mut sample.sampler, &mut sample.chance, &mut all);
+                pixels.cx.path(start, 0, &sample.sampler, &mut sample.chance, &mut all);
             }
             let least = extra.least_bounces() as usize;
             for bounces in 0..=5 {
                 assert_eq!(brought.0[bounces] > 0, bounces < least, "{extra:?}, {bounces}: {:?}", brought.0);
                 assert!(all.0[bounces] > 0, "{:?}", all.0);
+            }
+        }
+    }
+
+    /// A floor under an even sky, which only rays by the BSDF look for.
+    #[test]
+    fn paths_divide_at_a_first_surface_that_is_no_mirror() {
+        for (material, max_depth, rays) in [(lambert(0.8), 4, 2), (lambert(0.8), 1, 1), (mirror(), 4, 1)] {
+            let stage = Stage::default().mesh(floor(), material, at(Vec3::ZERO)).environment(1.0);
+            let tracer = tracer(&stage.orthographic(Vec3::Y, Vec3::new(0.1, 0.0, 0.0), 1.0).0);
+            let settings = Settings { max_depth, ..sized(8, 8) };
+            let pixels = Pixels::of(&tracer, &settings, &FilmLayout::new(&[]));
+            for number in 0..16 {
+                let (mut sampler, mut chance) = (pixels.sampler(UVec2::splat(4), number), pixels.chance(UVec2::splat(4), number));
+                let ray = pixels.camera_ray(UVec2::splat(4), &mut sampler);
+                let start = TracedRay { ray, hit: pixels.cx.world.closest(&ray, None, 0) };
+                let mut seen = Bounces::default();
+                pixels.cx.path(start, 0, &sampler, &mut chance, &mut seen);
+                assert_eq!((chance.rays, u64::from(seen.0[1])), (rays, rays), "depth {max_depth}");
             }
         }
     }

@@ -158,11 +158,17 @@ impl FromStr for Integrator {
 /// How the integrators `path` and `direct` find direct light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Strategy {
-    /// Light sampling and BSDF sampling, combined by the power heuristic.
+    /// Light sampling and BSDF sampling, combined by the power heuristic; a path divides in two at a first surface that is no mirror.
     #[default]
     Mis,
-    /// Light sampling alone; emitters are seen directly and by perfect mirrors and glass. Fewer rays, much noise on shiny surfaces.
+    /// Light sampling alone, the textbook's: one direction and one shadow ray a surface. Emitters are seen directly and by perfect mirrors and glass. Fewer
+    /// rays, much noise on shiny surfaces.
     Lights,
+}
+
+impl Strategy {
+    /// Every strategy with its name.
+    pub const ALL: [(&'static str, Self); 2] = [("mis", Self::Mis), ("lights", Self::Lights)];
 }
 
 /// How light sampling draws directions towards an environment with an image; a choice of the [`Tracer`](crate::Tracer), which holds the table.

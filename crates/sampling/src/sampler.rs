@@ -135,6 +135,14 @@ impl Sampler {
         self.open = 0;
     }
 
+    /// The random numbers of one of the `of` branches into which this sample divides from here on: over all samples of the pixel, branches are samples of a
+    /// set `of` times as large.
+    #[inline]
+    pub fn branch(&self, branch: u32, of: u32) -> Self {
+        let index = self.reversed_index.reverse_bits().wrapping_mul(of).wrapping_add(branch);
+        Self { reversed_index: index.reverse_bits(), open: 0, ..self.clone() }
+    }
+
     /// The dimension that the next request takes.
     pub fn dimension(&self) -> u32 {
         self.dimension
@@ -176,6 +184,33 @@ mod tests {
             let mut other = Sampler::new(kind, 8, UVec2::new(12, 5), 3);
             assert_ne!(other.next_1d(), first.0);
         }
+    }
+
+    #[test]
+    fn branches_are_samples_of_a_larger_set() {
+        for kind in KINDS {
+            let sample = |number| {
+                let mut sampler = Sampler::new(kind, 7, UVec2::new(12, 5), number);
+                sampler.start_bounce(1);
+                sampler.next_1d();
+                sampler
+            };
+            let branch = sample(3).branch(1, 2).next_2d();
+            assert_ne!(branch, sample(3).branch(0, 2).next_2d());
+            if !matches!(kind, SamplerKind::BlueNoise { .. }) {
+                let mut one = sample(7);
+                one.set_dimension(one.dimension());
+                assert_eq!(branch, one.next_2d());
+            }
+        }
+        // Both branches of eight samples are one stratified set of sixteen.
+        let mut cells = [0; 16];
+        for (number, branch) in (0..8).flat_map(|number| [(number, 0), (number, 1)]) {
+            let sampler = Sampler::new(SamplerKind::Sobol, 7, UVec2::new(12, 5), number);
+            let p = sampler.branch(branch, 2).next_2d();
+            cells[(p.x * 4.0) as usize * 4 + (p.y * 4.0) as usize] += 1;
+        }
+        assert_eq!(cells, [1; 16]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::UVec2;
 use kajo_image::ToneMap;
-use kajo_path_tracer::{EnvironmentSampler, Filter, Integrator, LightSampler};
+use kajo_path_tracer::{EnvironmentSampler, Filter, Integrator, LightSampler, Strategy};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -187,6 +187,9 @@ pub struct Tracing {
     /// Random numbers [default: sobol]
     #[arg(long, value_parser = named(SAMPLERS))]
     pub sampler: Option<SamplerChoice>,
+    /// How direct light is found: mis, or lights, by shadow rays alone [default: mis]; changes the noise, not the mean
+    #[arg(long, value_parser = named(&Strategy::ALL))]
+    pub strategy: Option<Strategy>,
     /// How directions towards an environment are drawn [default: cdf]; changes the noise, not the mean
     #[arg(long, value_parser = named(&EnvironmentSampler::ALL))]
     pub env_sampler: Option<EnvironmentSampler>,

@@ -8,8 +8,11 @@
 //! draws M candidates, its p is M times the density of one.
 //! Transmissive surfaces block shadow rays, so caustics come from BSDF sampling alone. A volume absorbs by the Beer-Lambert law
 //! between entering and leaving it; volumes do not nest: leaving any surface outwards ends the absorption.
+//!
+//! At a first surface that is no mirror the path divides into [`BRANCHES`], each of which brings its share: most noise comes from behind it, and what the camera
+//! ray and its light cost is paid once.    \[Arvo90] section 3, splitting
 
-use super::dispersion::disperse;
+use super::dispersion::{Channel, disperse};
 use super::{Chance, Context, Sink, Split, TracedRay, open_ray, transmittance};
 use crate::lights::{ChosenLight, rng_of};
 use crate::settings::Strategy;
@@ -25,6 +28,40 @@ use kajo_units::LinearRgb;
 /// Shadow rays end this share of their length before the light: the light must not shadow itself.
 pub(super) const BEFORE_LIGHT: f32 = 1.0 - 2e-5;
 
+/// Directions in which a path goes on from its first surface.
+const BRANCHES: u32 = 2;
+
+/// A path on its way: its next surface is found, and nothing has been looked for there.
+#[derive(Clone, Copy)]
+struct Walk {
+    traced: TracedRay,
+    throughput: Split,
+    bounces: u32,
+    /// Density with which the ray was found; infinite where light sampling could not have found it.
+    ray_pdf: f32,
+    absorption: LinearRgb,
+    /// Radiance is compressed inside of denser media and divided among branches; roulette must not take that for darkness.
+    compression: f32,
+    channel: Channel,
+    /// Where the ray comes from, if light sampling looked for light there, too.
+    receiver: Option<Receiver>,
+}
+
+impl Walk {
+    fn new(traced: TracedRay) -> Self {
+        Self {
+            traced,
+            throughput: Split::CAMERA,
+            bounces: 0,
+            ray_pdf: f32::INFINITY,
+            absorption: LinearRgb::BLACK,
+            compression: 1.0,
+            channel: None,
+            receiver: None,
+        }
+    }
+}
+
 impl Context<'_> {
     /// What a camera ray meets of lamps and sky.
     pub(crate) fn emission(&self, TracedRay { ray, hit }: TracedRay, sink: &mut impl Sink) {
@@ -39,76 +76,96 @@ impl Context<'_> {
 
     /// Follows the path that starts with `start`; leaves everything it finds in `sink`. Bounce b uses the random numbers of bounce
     /// `dimensions + b`.
-    pub(crate) fn path(&self, start: TracedRay, dimensions: u32, sampler: &mut Sampler, chance: &mut Chance, sink: &mut impl Sink) {
-        let TracedRay { mut ray, mut hit } = start;
-        let mut throughput = Split::CAMERA;
-        let mut bounces = 0;
-        // Density with which the ray was found; infinite where light sampling could not have found it.
-        let mut ray_pdf = f32::INFINITY;
-        let mut absorption = LinearRgb::BLACK;
-        // Radiance is compressed inside of denser media; roulette must not take that for darkness.
-        let mut compression = 1.0;
-        let mut channel = None;
-        // Where the ray comes from, if light sampling looked for light there, too.
-        let mut receiver: Option<Receiver> = None;
+    pub(crate) fn path(&self, start: TracedRay, dimensions: u32, sampler: &Sampler, chance: &mut Chance, sink: &mut impl Sink) {
+        self.follow(Walk::new(start), dimensions, &mut sampler.clone(), chance, sink);
+    }
+
+    fn follow(&self, mut walk: Walk, dimensions: u32, sampler: &mut Sampler, chance: &mut Chance, sink: &mut impl Sink) {
         loop {
-            self.pass(&TracedRay { ray, hit }, receiver.as_ref(), |t, seen| {
+            let Walk { traced: TracedRay { ray, hit }, bounces, ray_pdf, absorption, .. } = walk;
+            self.pass(&walk.traced, walk.receiver.as_ref(), |t, seen| {
                 let value = seen.radiance * transmittance(absorption, t) * self.weight_of_ray(bounces, ray_pdf, seen.pdf);
-                sink.light(bounces, seen.light, throughput.scaled(value));
+                sink.light(bounces, seen.light, walk.throughput.scaled(value));
             });
             let Some(found) = hit else { return };
-            throughput = throughput.scaled(transmittance(absorption, found.t));
+            walk.throughput = walk.throughput.scaled(transmittance(absorption, found.t));
             let (wo, mut room) = (-ray.direction, None);
             let Some(surface) = Surface::new(self.world, &found, wo, self.settings.smooth_terminator, &mut room) else { return };
             if let Some((light, radiance)) = surface.emission(self.world, self.lights) {
                 let along = (ray.origin, ray.direction, found.t);
-                let pdf = receiver.map_or(0.0, |from| self.lights.pdf_of_surface(self.world, &from, found.primitive_ref(), along));
-                sink.light(bounces, light, throughput.scaled(radiance * self.weight_of_ray(bounces, ray_pdf, pdf)));
+                let pdf = walk.receiver.map_or(0.0, |from| self.lights.pdf_of_surface(self.world, &from, found.primitive_ref(), along));
+                sink.light(bounces, light, walk.throughput.scaled(radiance * self.weight_of_ray(bounces, ray_pdf, pdf)));
             }
             if bounces >= self.max_depth || surface.unlit(self.world) {
                 return;
             }
 
-            let bsdf = surface.bsdf(channel);
+            let bsdf = surface.bsdf(walk.channel);
             let view = bsdf.view(surface.frame.to_local(wo));
             sampler.start_bounce(dimensions + bounces);
             let (choice, on_light) = (sampler.next_1d(), sampler.next_2d());
             if !bsdf.is_delta() && sink.wants(bounces + 1) {
-                self.direct(&surface, &view, throughput, bounces, absorption, (choice, on_light), chance, sink);
+                self.direct(&surface, &view, walk.throughput, bounces, absorption, (choice, on_light), chance, sink);
             }
-
-            let (lobe, u) = (sampler.next_1d(), sampler.next_2d());
-            let Some(sample) = view.sample(lobe, u) else { return };
-            let Some(wi) = surface.direction_of(&sample) else { return };
-            throughput = if bounces == 0 {
-                let all = throughput.total();
-                Split { diffuse: all * sample.weight.diffuse, specular: all * sample.weight.specular }
-            } else {
-                throughput.scaled(sample.weight.total())
-            };
-            disperse(&surface, sample.weight, &mut channel, &mut throughput, sampler);
-            bounces += 1;
-            let is_delta = sample.lobe.is_delta();
-            ray_pdf = if is_delta { f32::INFINITY } else { surface.pdf_of(&view, &sample, wi) };
-            receiver = (!is_delta).then(|| surface.receiver());
-            compression *= sample.eta2;
-            let brightness = compression * throughput.total().max_component();
-            let survival = self.settings.russian_roulette.survival(bounces, is_delta, brightness);
-            if survival < 1.0 {
-                if sampler.next_1d() >= survival {
-                    return;
+            if bounces == 0 && self.branches() && !bsdf.is_delta() {
+                // Roulette takes a branch for what it would be alone.
+                walk.throughput = walk.throughput.scaled(LinearRgb::splat(1.0 / BRANCHES as f32));
+                walk.compression *= BRANCHES as f32;
+                for branch in 1..BRANCHES {
+                    let (mut walk, mut sampler) = (walk, sampler.branch(branch, BRANCHES));
+                    if self.scatter(&surface, &view, &mut walk, &mut sampler, chance) {
+                        self.follow(walk, dimensions, &mut sampler, chance, sink);
+                    }
                 }
-                throughput = throughput.scaled(LinearRgb::splat(1.0 / survival));
+                *sampler = sampler.branch(0, BRANCHES);
             }
-            if throughput.total().is_black() || (bounces == self.max_depth && !self.ray_can_find_light(ray_pdf)) {
+            if !self.scatter(&surface, &view, &mut walk, sampler, chance) {
                 return;
             }
-            if sample.lobe.contains(Lobe::TRANSMIT) && !surface.material.params.thin {
-                absorption = if surface.front { surface.material.absorption } else { LinearRgb::BLACK };
-            }
-            ray = open_ray(surface.origin_towards(self.world, wi), wi);
-            hit = self.world.closest(&ray, Some(surface.primitive), chance.next());
         }
+    }
+
+    /// Whether a path divides at its first surface. That of light sampling alone is the textbook's, one direction a surface.
+    #[inline]
+    fn branches(&self) -> bool {
+        self.max_depth > 1 && self.settings.strategy == Strategy::Mis
+    }
+
+    /// Takes a direction from the BSDF and traces it; false where the path ends.
+    #[inline(always)]
+    fn scatter(&self, surface: &Surface, view: &AnyBsdfView, walk: &mut Walk, sampler: &mut Sampler, chance: &mut Chance) -> bool {
+        let (lobe, u) = (sampler.next_1d(), sampler.next_2d());
+        let Some(sample) = view.sample(lobe, u) else { return false };
+        let Some(wi) = surface.direction_of(&sample) else { return false };
+        walk.throughput = if walk.bounces == 0 {
+            let all = walk.throughput.total();
+            Split { diffuse: all * sample.weight.diffuse, specular: all * sample.weight.specular }
+        } else {
+            walk.throughput.scaled(sample.weight.total())
+        };
+        disperse(surface, sample.weight, &mut walk.channel, &mut walk.throughput, sampler);
+        walk.bounces += 1;
+        let is_delta = sample.lobe.is_delta();
+        walk.ray_pdf = if is_delta { f32::INFINITY } else { surface.pdf_of(view, &sample, wi) };
+        walk.receiver = (!is_delta).then(|| surface.receiver());
+        walk.compression *= sample.eta2;
+        let brightness = walk.compression * walk.throughput.total().max_component();
+        let survival = self.settings.russian_roulette.survival(walk.bounces, is_delta, brightness);
+        if survival < 1.0 {
+            if sampler.next_1d() >= survival {
+                return false;
+            }
+            walk.throughput = walk.throughput.scaled(LinearRgb::splat(1.0 / survival));
+        }
+        if walk.throughput.total().is_black() || (walk.bounces == self.max_depth && !self.ray_can_find_light(walk.ray_pdf)) {
+            return false;
+        }
+        if sample.lobe.contains(Lobe::TRANSMIT) && !surface.material.params.thin {
+            walk.absorption = if surface.front { surface.material.absorption } else { LinearRgb::BLACK };
+        }
+        let ray = open_ray(surface.origin_towards(self.world, wi), wi);
+        walk.traced = TracedRay { ray, hit: self.world.closest(&ray, Some(surface.primitive), chance.next()) };
+        true
     }
 
     /// Next-event estimation: one light, one shadow ray.

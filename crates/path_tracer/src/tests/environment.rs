@@ -32,7 +32,7 @@ fn rendered(scene: &Scene, sampler: EnvironmentSampler, seed: u64) -> Frame {
 }
 
 /// Share of the pixels with noise whose luminances differ by no more than 99.73 % of differences do, which is three standard deviations of a normal one.
-/// The deviations come from 8 blocks of samples each, so it is 3.64 of Student's t with 14 degrees of freedom. The channels of a pixel follow the same
+/// The deviations come from 8 blocks of samples each, so it is 3.64 of Student's t with 14 degrees of freedom, as for equal variances. The channels of a pixel follow the same
 /// paths, so their deviations add up.
 fn share_within_three_sigma(a: &Frame, b: &Frame) -> f64 {
     let (mut within, mut total) = (0u32, 0u32);

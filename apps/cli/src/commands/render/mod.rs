@@ -49,6 +49,7 @@ fn check(arguments: &Render) -> Outcome {
         ("--no-rr", tracing.no_rr),
         ("--threads", tracing.threads.is_some()),
         ("--sampler", tracing.sampler.is_some()),
+        ("--strategy", tracing.strategy.is_some()),
         ("--env-sampler", tracing.env_sampler.is_some()),
         ("--light-sampler", tracing.light_sampler.is_some()),
         ("--filter", tracing.filter.is_some()),

@@ -2,6 +2,7 @@
 
 use crate::arguments::View;
 use crate::failure::{Failure, Outcome};
+use kajo_lab::Look;
 use kajo_scene::{LoadOptions, Scene, SceneError, Snapshot};
 use kajo_units::Seconds;
 
@@ -34,8 +35,17 @@ pub fn failure(error: SceneError) -> Failure {
 /// # Errors
 /// A camera that does not exist is wrong usage.
 pub fn snapshot(scene: &Scene, view: &View, time: f64) -> Outcome<(Snapshot, usize)> {
-    let snapshot = Snapshot::new(scene, Seconds(time as f32));
+    let mut snapshot = Snapshot::new(scene, Seconds(time as f32));
     let camera = view.camera.as_deref().map_or(Ok(0), |word| snapshot.find_camera(word));
     let camera = camera.map_err(|unknown| failure(SceneError::UnknownName { scene: scene.name.clone(), unknown }))?;
+    if let Some(look) = look(view) {
+        snapshot.cameras[camera] = look.place(&snapshot.cameras[camera]);
+    }
     Ok((snapshot, camera))
+}
+
+/// Where the camera is put, when the words say so.
+pub fn look(view: &View) -> Option<Look> {
+    let (from, at) = view.look_from.zip(view.look_at)?;
+    Some(Look { from, at, fov: view.fov.map(|degrees| degrees as f32) })
 }

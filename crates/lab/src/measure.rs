@@ -1,6 +1,6 @@
 //! One run on the device: images for several seeds, and the cost of a frame.
 
-use crate::judge::{Judge, Kind, Take};
+use crate::judge::Take;
 use crate::plan::Choice;
 use crate::report::Cost;
 use kajo_image::Image;
@@ -34,7 +34,6 @@ pub fn measure(
     renderer: &mut Renderer,
     role: Role,
     choice: &Choice,
-    judge: &Judge,
     (seed, frames, repeat): (u64, u32, u32),
     ambient_distance: f32,
 ) -> Result<Measured, Error> {
@@ -70,7 +69,7 @@ pub fn measure(
                 memory_bytes = of(&output.technique_bytes);
             }
             if number < repeat && step + 1 == settled {
-                takes.push(take(role, judge, output));
+                takes.push(take(role, &output));
             } else if timed == frames && number >= repeat {
                 break;
             }
@@ -87,16 +86,14 @@ pub fn measure(
     Ok(Measured { takes, cost, ignored })
 }
 
-/// The role's image out of a frame.
-fn take(role: Role, judge: &Judge, output: FrameOutput) -> Take {
+/// The role's images out of a frame, in the order of [`Judge::parts`](crate::judge::Judge::parts) where the renderer watches the lights that are judged.
+pub fn take(role: Role, output: &FrameOutput) -> Take {
     let grey = |image: &Image<f32>| image.map(|&v| LinearRgb::splat(v));
-    match (role, judge.kind) {
-        (Role::DirectVisibility, Kind::Visibility) => {
-            Take { parts: output.visibility.iter().take(judge.parts.len()).map(grey).collect(), composed: Some(output.direct) }
-        }
-        (Role::AmbientVisibility, _) => Take { parts: output.ambient_visibility.iter().map(grey).collect(), composed: None },
-        (Role::AntiAlias, _) => Take { parts: vec![output.color], composed: None },
-        _ => Take { parts: vec![output.direct], composed: None },
+    match role {
+        Role::DirectVisibility => Take { parts: output.visibility.iter().map(grey).collect(), composed: Some(output.direct.clone()) },
+        Role::AmbientVisibility => Take { parts: output.ambient_visibility.iter().map(grey).collect(), composed: None },
+        Role::AntiAlias => Take { parts: vec![output.color.clone()], composed: None },
+        _ => Take { parts: vec![output.direct.clone()], composed: None },
     }
 }
 

@@ -1,5 +1,6 @@
 //! What to compare, and the command that says it.
 
+use crate::Look;
 use glam::UVec2;
 use std::path::PathBuf;
 
@@ -26,6 +27,8 @@ pub struct CompareOptions {
     pub budget_ms: Option<f64>,
     /// Camera by name or index; `None`: the first.
     pub camera: Option<String>,
+    /// Where the camera is put instead of its place in the scene.
+    pub look: Option<Look>,
     /// Environment that replaces the scene's.
     pub environment: Option<PathBuf>,
     /// Time of the animation, s.
@@ -62,6 +65,7 @@ impl Default for CompareOptions {
             repeat: 4,
             budget_ms: None,
             camera: None,
+            look: None,
             environment: None,
             time: 0.0,
             animation: None,
@@ -98,6 +102,11 @@ impl CompareOptions {
         if let Some(camera) = &self.camera {
             flag("--camera", camera.clone());
         }
+        if let Some(Look { from, at, fov }) = self.look {
+            flag("--look-from", format!("{},{},{}", from.x, from.y, from.z));
+            flag("--look-at", format!("{},{},{}", at.x, at.y, at.z));
+            fov.into_iter().for_each(|degrees| flag("--fov", degrees.to_string()));
+        }
         if let Some(environment) = &self.environment {
             flag("--env", environment.display().to_string());
         }
@@ -118,8 +127,8 @@ impl CompareOptions {
     }
 }
 
-/// As a shell takes it.
-fn quoted(word: &str) -> String {
+/// A word as a POSIX shell takes it.
+pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
 }
@@ -139,11 +148,12 @@ mod tests {
             reference: ReferenceStop::Noise(0.01),
             budget_ms: Some(2.5),
             time: 0.5,
+            look: Some(Look { from: glam::Vec3::new(-1.0, 2.5, 3.0), at: glam::Vec3::ZERO, fov: Some(40.0) }),
             ..CompareOptions::default()
         };
         assert_eq!(
             options.command(),
-            r"kajo compare builtin:shadows 'my scene'\''s.glb' -o report --role direct-visibility --technique shadow/map:resolution=512 --technique shadow/none --size 320x180 --reference-noise 0.01 --frames 10 --repeat 4 --budget-ms 2.5 --frame 0.5 --seed 0"
+            r"kajo compare builtin:shadows 'my scene'\''s.glb' -o report --role direct-visibility --technique shadow/map:resolution=512 --technique shadow/none --size 320x180 --reference-noise 0.01 --frames 10 --repeat 4 --budget-ms 2.5 --look-from -1,2.5,3 --look-at 0,0,0 --fov 40 --frame 0.5 --seed 0"
         );
         assert!(CompareOptions { scenes: vec!["a".into()], output: "o".into(), ..CompareOptions::default() }.command().ends_with("--all"));
     }

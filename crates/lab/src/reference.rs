@@ -140,13 +140,8 @@ fn rendering(
     progress: &dyn Progress,
     share: &(dyn Fn(f64) -> f64 + Sync),
 ) -> Result<Option<Judged>, LabError> {
-    let mut aovs: Vec<Aov> = recipes.iter().flat_map(|r| (r.images)(tracer).into_iter().chain(r.composed.then_some(Aov::Direct))).collect();
-    if recipes.iter().any(|r| r.composed || r.picture) {
-        aovs.extend(not_simulated_direct(tracer));
-    }
-    aovs.push(Aov::Coverage);
-    let integrator = if recipes.iter().any(|r| r.indirect) { Integrator::Path } else { Integrator::Direct };
-    let settings = Settings { integrator, filter: recipes[0].filter, aovs, ..base.clone() };
+    let plan = ReferencePlan { recipes: recipes.to_vec(), picture: false };
+    let settings = plan.settings(tracer, base);
     let control = |p: &kajo_path_tracer::Progress| {
         progress.at("reference", share(f64::from(p.fraction)));
         if progress.interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -162,7 +157,7 @@ fn rendering(
             return Ok(None);
         }
         let frame = rendered.develop();
-        let judges = judges(tracer, recipes, &frame);
+        let judges = plan.judges(tracer, &frame);
         let noise = judges.values().filter_map(Judge::relative_standard_error).fold(0.0, f64::max);
         if goal >= last || noise <= wanted {
             return Ok(Some((judges, frame)));
@@ -170,6 +165,70 @@ fn rendering(
         goal = next_goal(goal, noise / wanted).min(last);
         film = Some(rendered);
     }
+}
+
+/// What has to be rendered to judge roles of one pixel filter, and how it becomes their judges: for callers that render by themselves, a viewer for one.
+#[derive(Clone, Debug)]
+pub struct ReferencePlan {
+    recipes: Vec<Recipe>,
+    /// The whole picture is wanted, too.
+    picture: bool,
+}
+
+impl ReferencePlan {
+    /// The judge of a role, by id; `None` where the scene has nothing to judge it by.
+    pub fn new(tracer: &Tracer, role: &str) -> Option<Self> {
+        let recipe = RECIPES.into_iter().find(|r| r.role == role && r.applies(tracer))?;
+        Some(Self { recipes: vec![recipe], picture: false })
+    }
+
+    /// The same, with what [`Self::picture`] is made of.
+    pub fn with_picture(self) -> Self {
+        Self { picture: true, ..self }
+    }
+
+    /// `base` with the images that the judges are made of, sampled as the role is judged.
+    pub fn settings(&self, tracer: &Tracer, base: &Settings) -> Settings {
+        let recipes = &self.recipes;
+        let mut aovs: Vec<Aov> =
+            recipes.iter().flat_map(|r| (r.images)(tracer).into_iter().chain(r.composed.then_some(Aov::Direct))).collect();
+        if self.picture || recipes.iter().any(|r| r.composed || r.picture) {
+            aovs.extend(not_simulated_direct(tracer));
+        }
+        if self.picture {
+            let missing = [Aov::Emission, Aov::Direct].into_iter().filter(|aov| !aovs.contains(aov));
+            aovs.extend(missing.collect::<Vec<_>>());
+        }
+        aovs.push(Aov::Coverage);
+        let integrator = if recipes.iter().any(|r| r.indirect) { Integrator::Path } else { Integrator::Direct };
+        Settings { integrator, filter: recipes[0].filter, aovs, ..base.clone() }
+    }
+
+    /// The judges out of a frame of these settings, by the role's id.
+    ///
+    /// # Panics
+    /// When the frame lacks an image that [`Self::settings`] asked for.
+    pub fn judges(&self, tracer: &Tracer, frame: &Frame) -> BTreeMap<&'static str, Judge> {
+        judges(tracer, &self.recipes, frame)
+    }
+
+    /// The picture of a real-time renderer without error: what emits, and the direct light that is simulated. Needs [`Self::with_picture`].
+    pub fn picture(&self, tracer: &Tracer, frame: &Frame) -> Option<Image<LinearRgb>> {
+        let image = |aov: Aov| frame.image(&aov.to_string()).map(|image| image.pixels.to_color());
+        let (emission, light) = (image(Aov::Emission)?, simulated(tracer, frame, &image(Aov::Direct)?));
+        let sum = emission.pixels().iter().zip(light.pixels()).map(|(a, b)| *a + *b);
+        Some(Image::from_pixels(emission.size(), sum.collect()))
+    }
+}
+
+/// What the real-time renderer simulates of a picture. On the same random streams the lights' images add up to the whole, so the difference is as exact
+/// as their sum.
+fn simulated(tracer: &Tracer, frame: &Frame, whole: &Image<LinearRgb>) -> Image<LinearRgb> {
+    let missing: Option<Vec<_>> =
+        not_simulated_direct(tracer).iter().map(|aov| Some(frame.image(&aov.to_string())?.pixels.to_color())).collect();
+    let left = |i: usize, whole: LinearRgb| missing.iter().flatten().fold(whole, |left, image| left - image.pixels()[i]).0.max(Vec3::ZERO);
+    let pixels = whole.pixels().iter().enumerate().map(|(i, p)| LinearRgb(left(i, *p)));
+    Image::from_pixels(whole.size(), pixels.collect())
 }
 
 /// Noise falls with the square root of samples; a little more than that predicts saves a round, and 4 times at most guards against a
@@ -186,25 +245,16 @@ fn judges(tracer: &Tracer, recipes: &[Recipe], frame: &Frame) -> BTreeMap<&'stat
         let variance = image.variance.as_ref().map(Pixels::to_color).filter(|v| v.pixels().iter().all(|p| p.is_finite()));
         Part { name: image.name.clone(), image: image.pixels.to_color(), variance }
     };
-    // On the same random streams the lights' images add up to the whole, so the difference is as exact as their sum.
-    let simulated = |whole: &Image<LinearRgb>| {
-        let missing: Option<Vec<_>> =
-            not_simulated_direct(tracer).iter().map(|aov| Some(frame.image(&aov.to_string())?.pixels.to_color())).collect();
-        let left =
-            |i: usize, whole: LinearRgb| missing.iter().flatten().fold(whole, |left, image| left - image.pixels()[i]).0.max(Vec3::ZERO);
-        let pixels = whole.pixels().iter().enumerate().map(|(i, p)| LinearRgb(left(i, *p)));
-        Image::from_pixels(whole.size(), pixels.collect())
-    };
     let judge = |recipe: &Recipe| Judge {
         parts: if recipe.picture {
             let whole = part("beauty");
-            vec![Part { image: simulated(&whole.image), ..whole }]
+            vec![Part { image: simulated(tracer, frame, &whole.image), ..whole }]
         } else {
             (recipe.images)(tracer).iter().map(|aov| part(&aov.to_string())).collect()
         },
         mask: coverage.as_ref().filter(|_| recipe.kind != Kind::Light).map(mask),
         kind: recipe.kind,
-        composed: recipe.composed.then(|| part("direct")).map(|part| Composed { simulated: Some(simulated(&part.image)), part }),
+        composed: recipe.composed.then(|| part("direct")).map(|part| Composed { simulated: Some(simulated(tracer, frame, &part.image)), part }),
     };
     recipes.iter().map(|recipe| (recipe.role, judge(recipe))).collect()
 }
@@ -299,6 +349,25 @@ mod tests {
         let mean = gains.iter().sum::<f32>() / gains.len() as f32;
         // Left in, the light of the sky would add several tenths.
         assert!(gains.len() > 32 * 24 / 2 && mean.abs() < 0.005, "{} surfaces gain {mean}", gains.len());
+    }
+
+    /// Caught when a plan forgets an image, or counts light twice: with nothing left out the picture is what the path tracer sees with one bounce.
+    #[test]
+    fn a_plan_with_a_picture_judges_as_the_references_do() {
+        let tracer = tracer("builtin:shadows");
+        for role in judged_roles() {
+            let plan = ReferencePlan::new(&tracer, role).unwrap().with_picture();
+            let settings = plan.settings(&tracer, &settings());
+            let frame = render(&tracer, &settings, Stop::at_spp(4), None, &kajo_path_tracer::uncontrolled).unwrap().develop();
+            let judge = &plan.judges(&tracer, &frame)[role];
+            let expected = &render_all(&tracer, &[role], ReferenceStop::Spp(4)).judges[role];
+            assert_eq!(judge.stacked(), expected.stacked(), "{role}");
+            let picture = plan.picture(&tracer, &frame).unwrap();
+            if settings.integrator == Integrator::Direct && not_simulated_direct(&tracer).is_empty() {
+                let largest = picture.pixels().iter().zip(frame.beauty().pixels()).map(|(a, b)| (*a - *b).0.abs().max_element());
+                assert!(largest.fold(0.0, f32::max) < 1e-4, "{role}");
+            }
+        }
     }
 
     #[test]

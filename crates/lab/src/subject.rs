@@ -34,11 +34,14 @@ impl Subject {
     pub fn load(options: &CompareOptions, index: usize) -> Result<Self, LabError> {
         let name = options.scenes[index].clone();
         let scene = load(&name, &LoadOptions { environment: options.environment.clone(), animation: options.animation.clone() })?;
-        let snapshot = Snapshot::new(&scene, Seconds(options.time as f32));
+        let mut snapshot = Snapshot::new(&scene, Seconds(options.time as f32));
         let camera = options.camera.as_deref().map_or(Ok(0), |word| snapshot.find_camera(word));
         let camera = camera.map_err(|unknown| SceneError::UnknownName { scene: name.clone(), unknown })?;
+        if let Some(look) = options.look {
+            snapshot.cameras[camera] = look.place(&snapshot.cameras[camera]);
+        }
         let size = options.size.unwrap_or_else(|| snapshot.cameras[camera].camera.default_image_size());
-        let ambient_distance = options.ambient_distance.unwrap_or_else(|| near(bounds(&snapshot.meshes, &snapshot.instances)));
+        let ambient_distance = options.ambient_distance.unwrap_or_else(|| ambient_distance(bounds(&snapshot.meshes, &snapshot.instances)));
         let stem = name.rsplit(['/', '\\']).next().unwrap_or(&name);
         Ok(Self { slug: format!("{}-{}", index + 1, slug(stem)), name, scene, snapshot, camera, size, ambient_distance })
     }
@@ -63,8 +66,8 @@ impl Subject {
     }
 }
 
-/// A tenth of the diagonal, to two digits: what is near in a scene of this size.
-fn near([low, high]: [Vec3; 2]) -> f32 {
+/// Role ambient visibility: how far surfaces block where nobody says so. A tenth of the diagonal of the scene's box, to two digits, m.
+pub fn ambient_distance([low, high]: [Vec3; 2]) -> f32 {
     let length = f64::from(low.distance(high)) * 0.1;
     let digit = 10f64.powf(length.log10().floor() - 1.0);
     let rounded = ((length / digit).round() * digit) as f32;
@@ -96,8 +99,15 @@ mod tests {
         };
         assert_eq!(of(Some(0.25)), 0.25);
         let [low, high] = [Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 2.0, 15.34)];
-        assert_eq!((near([low, high]), near([low * 1000.0, high * 1000.0]), near([low, low])), (1.2, 1200.0, 1.0));
+        assert_eq!((ambient_distance([low, high]), ambient_distance([low * 1000.0, high * 1000.0]), ambient_distance([low, low])), (1.2, 1200.0, 1.0));
         assert!(of(None) > 0.0);
+    }
+
+    #[test]
+    fn a_camera_is_put_where_it_is_told() {
+        let look = crate::Look { from: glam::Vec3::new(1.0, 2.0, 3.0), at: glam::Vec3::ZERO, fov: None };
+        let subject = Subject::load(&CompareOptions { look: Some(look), ..options("builtin:shadows") }, 0).unwrap();
+        assert_eq!(subject.snapshot.cameras[0].world_from_view.w_axis.truncate(), look.from);
     }
 
     #[test]

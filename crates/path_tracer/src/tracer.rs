@@ -66,6 +66,17 @@ impl Tracer {
         Ok(self)
     }
 
+    /// Puts another camera in the place of camera `index`; hierarchy and light tables stay.
+    ///
+    /// # Errors
+    /// [`PathTracerError::Camera`] with the cameras there are.
+    pub fn set_camera(&mut self, index: usize, camera: PlacedCamera) -> Result<(), PathTracerError> {
+        let index = self.camera(&Settings { camera: CameraChoice::Index(index), ..Settings::default() })?;
+        self.world.snapshot.cameras[index] = camera;
+        self.hash = OnceLock::new();
+        Ok(())
+    }
+
     /// The snapshot that is rendered.
     pub fn snapshot(&self) -> &Snapshot {
         &self.world.snapshot

@@ -108,8 +108,11 @@ impl Device {
                 slot.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).get_or_insert(error);
             }
         };
-        let lost = keep_first(&trouble);
-        wgpu.set_device_lost_callback(move |_, reason| lost(Error::DeviceLost { reason }));
+        // A loss explains whatever was refused before it.
+        let lost = trouble.clone();
+        wgpu.set_device_lost_callback(move |_, reason| {
+            *lost.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(Error::DeviceLost { reason });
+        });
         let refused = keep_first(&trouble);
         wgpu.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             refused(match error {

@@ -9,13 +9,18 @@ pub(crate) fn none(a: &Snapshot, b: &Snapshot) -> bool {
     let instances = a.instances.len() == b.instances.len()
         && a.instances.iter().zip(&b.instances).all(|(a, b)| a.mesh == b.mesh && a.world_from_object == b.world_from_object);
     let light = |(a, b): (&PlacedLight, &PlacedLight)| a.light == b.light && a.world_from_light == b.world_from_light;
-    let camera = |(a, b): (&PlacedCamera, &PlacedCamera)| a.camera == b.camera && a.world_from_view == b.world_from_view;
+    let camera = |(a, b): (&PlacedCamera, &PlacedCamera)| same_view(a, b);
     meshes
         && instances
         && a.lights.len() == b.lights.len()
         && a.lights.iter().zip(&b.lights).all(light)
         && a.cameras.len() == b.cameras.len()
         && a.cameras.iter().zip(&b.cameras).all(camera)
+}
+
+/// True when both cameras see the same.
+pub(crate) fn same_view(a: &PlacedCamera, b: &PlacedCamera) -> bool {
+    a.camera == b.camera && a.world_from_view == b.world_from_view
 }
 
 #[cfg(test)]

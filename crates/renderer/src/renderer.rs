@@ -13,13 +13,13 @@ use crate::upload::tables::ModelTables;
 use crate::upload::textures::Textures;
 use crate::upload::trace::TraceScene;
 use crate::{Error, ignored, motion, read};
-use glam::{Mat4, Vec3};
+use glam::{Mat4, UVec2, Vec3};
 use kajo_bsdf::models::ModelEntry;
 use kajo_image::Image;
 use kajo_render_graph::wgpu::{self, BufferUsages};
 use kajo_render_graph::{Bindings, Buffer, Device, Graph, Pool, Slot, Texture, Timings, slot};
 use kajo_sampling::halton_2d;
-use kajo_scene::{Environment, Ignored, Scene, Snapshot};
+use kajo_scene::{Environment, Ignored, PlacedCamera, Scene, Snapshot};
 use kajo_shader_lib::BSDF_TABLES;
 use kajo_techniques::shaders::Variant;
 use kajo_techniques::{Coverage, Effect, FrameContext, MakeContext, Role, TraceBackend, View};
@@ -119,9 +119,7 @@ impl Renderer {
         let setup = Setup { device, variant: Variant { backend, bindless, models: &models }, textures: textures.count() };
         let blendable = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
         let lights = Lights::new(device, scene, snapshot, None)?;
-        let count = lights.list.len().max(1);
-        let layer = u64::from(settings.size.x) * u64::from(settings.size.y) * 4;
-        let layers = (settings.light_memory / layer).clamp(1, count.min(64) as u64) as u32;
+        let pool = pool(&settings, lights.list.len());
         let out = Self {
             settings,
             backend,
@@ -139,7 +137,7 @@ impl Renderer {
             picture: Picture::new(setup)?,
             forward: if blendable { Some(Forward::new(setup, settings.light_samples)?) } else { None },
             effects: Vec::new(),
-            pool: Pool::new(settings.size, layers),
+            pool,
             last_index: None,
             still: true,
             geometry,
@@ -178,6 +176,30 @@ impl Renderer {
         self.previous = previous.clone();
         self.device.wait()?;
         Ok(())
+    }
+
+    /// Renders images of `size` from now on; everything that does not depend on it stays.
+    ///
+    /// # Errors
+    /// A size of 0 or beyond the adapter's limit; nothing has changed then.
+    pub fn resize(&mut self, size: UVec2) -> Result<(), Error> {
+        self.device.check_size(size)?;
+        if size != self.settings.size {
+            self.settings.size = size;
+            self.pool = pool(&self.settings, self.lights.list.len());
+            self.last_index = None;
+        }
+        Ok(())
+    }
+
+    /// Looks through `current` from now on; motion vectors are measured against `previous`, the camera of one frame ago.
+    /// It replaces the chosen camera until the next [`Self::set_snapshot`].
+    pub fn set_camera(&mut self, current: &PlacedCamera, previous: &PlacedCamera) {
+        let index = self.settings.camera.min(self.current.cameras.len() - 1);
+        self.still &= motion::same_view(&self.current.cameras[index], current) && motion::same_view(current, previous);
+        self.last_index = None;
+        self.current.cameras[index] = current.clone();
+        self.previous.cameras[index] = previous.clone();
     }
 
     /// What this renderer does not simulate in this scene.
@@ -503,6 +525,13 @@ impl Renderer {
         blended.sort_by(|a, b| b.1.total_cmp(&a.1));
         blended.into_iter().map(|(index, _)| index).collect()
     }
+}
+
+/// Images for frames, with as many layers for lights as the settings' memory holds.
+fn pool(settings: &RendererSettings, lights: usize) -> Pool {
+    let layer = u64::from(settings.size.x) * u64::from(settings.size.y) * 4;
+    let layers = (settings.light_memory / layer).clamp(1, lights.clamp(1, 64) as u64) as u32;
+    Pool::new(settings.size, layers)
 }
 
 /// Inverted in double precision: an infinite far plane makes the numbers of the matrix uneven.

@@ -4,7 +4,7 @@ pub mod bsdf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 use kajo_image::ToneMap;
 use kajo_path_tracer::{EnvironmentSampler, Filter, Integrator, LightSampler, Strategy};
 use std::fmt::Display;
@@ -41,6 +41,8 @@ pub struct Common {
 pub enum Command {
     /// Render an image of a scene
     Render(Box<Render>),
+    /// Look at a scene: techniques beside the path-traced reference, live
+    View(ViewCommand),
     /// Compare techniques with the path-traced reference and write a report
     Compare(Box<Compare>),
     /// Show what a scene contains and what of it is ignored
@@ -149,12 +151,49 @@ pub struct Render {
     pub tone_map: ToneMap,
 }
 
+/// `kajo view`.
+#[derive(Debug, Args)]
+pub struct ViewCommand {
+    /// A .gltf, .glb, .obj or .kajo.toml file, or builtin:NAME; without one, drop a file on the window
+    pub scene: Option<String>,
+    /// Latitude-longitude environment (.hdr, .exr, .png) that replaces the scene's
+    #[arg(long, value_name = "FILE")]
+    pub env: Option<PathBuf>,
+    /// Size of the window
+    #[arg(long, value_name = "WxH", default_value = "1280x720", allow_hyphen_values = true)]
+    pub size: Size,
+    /// Samples per pixel of the reference
+    #[arg(long, value_name = "N", default_value = "256", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
+    pub reference_spp: u32,
+    /// Carry out the steps of this file instead of a person's, and close; a step that fails ends with exit code 1
+    #[arg(long, value_name = "FILE")]
+    pub script: Option<PathBuf>,
+    /// Close after the first picture and this many frames
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
+    pub frames: Option<u32>,
+    /// Write the window as it is seen, and close
+    #[arg(long, value_name = "OUT.png")]
+    pub screenshot: Option<PathBuf>,
+    /// Carry out the script without a window
+    #[arg(long)]
+    pub offscreen: bool,
+}
+
 /// What is seen: shared by render and compare.
 #[derive(Debug, Args)]
 pub struct View {
     /// Camera by name or index
     #[arg(long, value_name = "NAME|INDEX", allow_negative_numbers = true)]
     pub camera: Option<String>,
+    /// Put the camera here, m; with --look-at
+    #[arg(long, value_name = "X,Y,Z", requires = "look_at", allow_hyphen_values = true, value_parser = point)]
+    pub look_from: Option<Vec3>,
+    /// Point in the middle of the picture, m; with --look-from
+    #[arg(long, value_name = "X,Y,Z", requires = "look_from", allow_hyphen_values = true, value_parser = point)]
+    pub look_at: Option<Vec3>,
+    /// Vertical angle of view of the camera that --look-from places
+    #[arg(long, value_name = "DEG", requires = "look_from", allow_negative_numbers = true, value_parser = angle_of_view)]
+    pub fov: Option<f64>,
     /// Latitude-longitude environment (.hdr, .exr, .png) that replaces the scene's
     #[arg(long, value_name = "FILE")]
     pub env: Option<PathBuf>,
@@ -514,6 +553,18 @@ fn positive(word: &str) -> Result<f64, String> {
     if value as f32 >= f32::MIN_POSITIVE { Ok(value) } else { Err("expected a number above 0".into()) }
 }
 
+/// Three numbers with commas between them.
+fn point(word: &str) -> Result<Vec3, String> {
+    let numbers = word.split(',').map(|number| finite(number.trim())).collect::<Result<Vec<f64>, _>>();
+    let point = numbers.ok().and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+    point.map(|point| Vec3::from(point.map(|number| number as f32))).ok_or_else(|| "expected X,Y,Z in m, e.g. 0,1.6,4".into())
+}
+
+fn angle_of_view(word: &str) -> Result<f64, String> {
+    let degrees = finite(word)?;
+    if (0.01..=179.0).contains(&degrees) { Ok(degrees) } else { Err("expected 0.01 to 179 degrees".into()) }
+}
+
 /// A time that no clock overflows at.
 fn seconds(word: &str) -> Result<Duration, String> {
     const THIRTY_YEARS: f64 = 1e9;
@@ -557,6 +608,15 @@ mod tests {
         assert_eq!((finite("-2.5"), positive("1e-9"), seconds("0.5")), (Ok(-2.5), Ok(1e-9), Ok(Duration::from_millis(500))));
         assert_eq!(whole(1..=9u16)("12").unwrap_err(), "expected a whole number from 1 to 9");
         assert_eq!((whole(1..=9u16)("9"), whole(1..=9u16)("-1").is_ok(), whole(0..=9u16)("1.5").is_ok()), (Ok(9), false, false));
+    }
+
+    #[test]
+    fn points_have_three_finite_numbers() {
+        assert_eq!(point("-1, 2.5,3e0"), Ok(Vec3::new(-1.0, 2.5, 3.0)));
+        for wrong in ["", "1,2", "1,2,3,4", "a,b,c", "1,2,inf"] {
+            assert!(point(wrong).is_err(), "{wrong}");
+        }
+        assert!(angle_of_view("0").is_err() && angle_of_view("180").is_err() && angle_of_view("40").is_ok());
     }
 
     #[test]

@@ -44,6 +44,7 @@ fn options(arguments: &Compare) -> CompareOptions {
         repeat: arguments.repeat,
         budget_ms: arguments.budget_ms,
         camera: arguments.view.camera.clone(),
+        look: view::look(&arguments.view),
         environment: arguments.view.env.clone(),
         time: arguments.view.frame,
         animation: arguments.view.animation.clone(),

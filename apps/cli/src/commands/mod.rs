@@ -13,6 +13,7 @@ mod render;
 mod scenes;
 mod study;
 mod techniques;
+mod view;
 
 use crate::arguments::{Bench, Command, Kajo};
 use crate::failure::Outcome;
@@ -33,6 +34,7 @@ pub fn run(arguments: &Kajo) -> Outcome {
         Command::Render(arguments) => render::run(common, arguments),
         Command::Study(arguments) => study::run(common, arguments),
         Command::Scenes => scenes::run(common),
+        Command::View(arguments) => view::run(arguments),
         Command::Techniques { id, markdown } => techniques::run(common, id.as_deref(), *markdown),
     }
 }

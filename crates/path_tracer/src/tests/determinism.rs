@@ -185,3 +185,20 @@ fn wrong_settings_are_explained() {
     assert!(message(Settings { adaptive: true, sampler: blue_noise, ..settings() }).contains("blue noise"));
     assert!(message(Settings { ambient_distance: 0.0, ..settings() }).contains("ambient distance"));
 }
+
+#[test]
+fn a_camera_put_in_place_equals_a_scene_with_it() {
+    let scene = cornell();
+    let mut moved = kajo_scene::Snapshot::new(&scene, kajo_units::Seconds(0.0));
+    moved.cameras[0].world_from_view *= glam::Mat4::from_translation(glam::Vec3::new(0.1, 0.2, 0.05));
+    let mut changed = tracer(&scene);
+    let before = render(&changed, &settings(), Stop::at_spp(3), None, &uncontrolled).unwrap();
+    changed.set_camera(0, moved.cameras[0].clone()).unwrap();
+    let after = samples(render(&changed, &settings(), Stop::at_spp(3), None, &uncontrolled).unwrap());
+    let made = crate::Tracer::new(&scene, moved.clone()).unwrap();
+    assert!(after == samples(render(&made, &settings(), Stop::at_spp(3), None, &uncontrolled).unwrap()));
+    assert!(after != samples(before.clone()), "the camera has moved");
+    let resumed = render(&changed, &settings(), Stop::at_spp(4), Some(before), &uncontrolled);
+    assert!(matches!(resumed, Err(PathTracerError::CheckpointMismatch { .. })), "a film of the old view is not gone on with");
+    assert!(changed.set_camera(1, moved.cameras[0].clone()).is_err());
+}

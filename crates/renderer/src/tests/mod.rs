@@ -3,6 +3,7 @@
 mod accumulation;
 mod ambient;
 mod anti_alias;
+mod changes;
 mod display;
 mod emissive;
 mod gbuffer;

@@ -186,7 +186,12 @@ impl Tools {
 
 /// A frame of a camera that stands still: techniques that keep something from frame to frame get as many frames as they remember, unless something
 /// newer is asked.
-fn settled(renderer: &mut Renderer, roles: &RoleSelection, settings: &FrameSettings, desk: &Desk<Question, Answer>) -> Result<FrameOutput, Error> {
+fn settled(
+    renderer: &mut Renderer,
+    roles: &RoleSelection,
+    settings: &FrameSettings,
+    desk: &Desk<Question, Answer>,
+) -> Result<FrameOutput, Error> {
     let count = renderer.history(roles)?.max(1);
     // Numbers that do not follow each other begin anew.
     let first = settings.index.wrapping_mul(count + u32::from(count > 1));

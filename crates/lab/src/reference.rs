@@ -254,7 +254,10 @@ fn judges(tracer: &Tracer, recipes: &[Recipe], frame: &Frame) -> BTreeMap<&'stat
         },
         mask: coverage.as_ref().filter(|_| recipe.kind != Kind::Light).map(mask),
         kind: recipe.kind,
-        composed: recipe.composed.then(|| part("direct")).map(|part| Composed { simulated: Some(simulated(tracer, frame, &part.image)), part }),
+        composed: recipe
+            .composed
+            .then(|| part("direct"))
+            .map(|part| Composed { simulated: Some(simulated(tracer, frame, &part.image)), part }),
     };
     recipes.iter().map(|recipe| (recipe.role, judge(recipe))).collect()
 }

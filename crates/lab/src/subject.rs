@@ -99,7 +99,10 @@ mod tests {
         };
         assert_eq!(of(Some(0.25)), 0.25);
         let [low, high] = [Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 2.0, 15.34)];
-        assert_eq!((ambient_distance([low, high]), ambient_distance([low * 1000.0, high * 1000.0]), ambient_distance([low, low])), (1.2, 1200.0, 1.0));
+        assert_eq!(
+            (ambient_distance([low, high]), ambient_distance([low * 1000.0, high * 1000.0]), ambient_distance([low, low])),
+            (1.2, 1200.0, 1.0)
+        );
         assert!(of(None) > 0.0);
     }
 

@@ -20,7 +20,10 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let result = match words.as_slice() {
         ["demo"] => demo::run(),
-        ["test", rest @ ..] => setup::run().and_then(|()| test(rest)),
+        ["test", rest @ ..] => setup::run().and_then(|()| {
+            setup::display();
+            test(rest)
+        }),
         ["setup"] => setup::run(),
         ["new-technique", id] => new_technique::run(id),
         ["--help" | "-h" | "help"] | [] => {

@@ -75,6 +75,27 @@ fn install_mesa() -> Result<(), String> {
     as_root(&[&install[..], suite, &["mesa-vulkan-drivers", "libvulkan1"]].concat())
 }
 
+/// An X server without a screen, and what windows of X11 load when they open.
+const DISPLAY: [&str; 7] = ["xvfb", "libx11-6", "libx11-xcb1", "libxcursor1", "libxi6", "libxkbcommon0", "libxkbcommon-x11-0"];
+
+/// Installs a display that nobody sees, for the test of the viewer's window; without the right to, that test is left out and says so.
+pub fn display() {
+    let root = || shell::output("id", &["-u"]).is_some_and(|id| id.trim() == "0");
+    if !cfg!(target_os = "linux") || shell::succeeds("Xvfb", &["-version"]) || !shell::succeeds("apt-get", &["--version"]) {
+        return;
+    }
+    if !root() {
+        println!("setup: the test of the viewer's window needs a display; as root: apt-get install {}", DISPLAY.join(" "));
+        return;
+    }
+    println!("setup: installing Xvfb for the test of the viewer's window");
+    let install = ["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "install", "-y", "--no-install-recommends"];
+    let installed = as_root(&["apt-get", "update"]).and_then(|()| as_root(&[&install[..], &DISPLAY].concat()));
+    if let Err(reason) = installed {
+        println!("setup: {reason}; the test of the viewer's window is left out");
+    }
+}
+
 /// The machine's own Debian source with the suite replaced.
 fn backports_source() -> Result<String, String> {
     let path = "/etc/apt/sources.list.d/debian.sources";

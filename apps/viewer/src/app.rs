@@ -147,7 +147,7 @@ impl App {
     fn take_frames(&mut self, answer: frames::Answer) {
         match answer {
             frames::Answer::Opened { info, missing } => {
-                if self.model.device.is_none() && info.kind == "software" {
+                if self.model.device.is_none() && self.model.coarseness == 1 && info.kind == "software" {
                     self.model.coarseness = 2;
                 }
                 (self.model.device, self.model.missing) = (Some(info), missing);

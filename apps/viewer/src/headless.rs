@@ -38,7 +38,7 @@ pub(crate) fn run(app: &mut App, script: &mut Runner, size: UVec2) -> Result<(),
             Next::Paint | Next::Screenshot(_) => {}
         }
         time += 1.0 / 60.0;
-        let output = app.frame(input(size, time));
+        let output = app.frame(input(size, time, canvas.brush.max_side()));
         let shapes = Shapes { textures: output.textures_delta, shapes: output.shapes, pixels_per_point: output.pixels_per_point };
         if next == Next::Sleep {
             canvas.skip(shapes);
@@ -52,8 +52,8 @@ pub(crate) fn run(app: &mut App, script: &mut Runner, size: UVec2) -> Result<(),
 }
 
 /// What egui is told of a window of that size at that time, s.
-pub(crate) fn input(size: UVec2, time: f64) -> RawInput {
-    let mut input = RawInput { time: Some(time), ..RawInput::default() };
+pub(crate) fn input(size: UVec2, time: f64, max_side: u32) -> RawInput {
+    let mut input = RawInput { time: Some(time), max_texture_side: Some(max_side as usize), ..RawInput::default() };
     input.screen_rect = Some(Rect::from_min_max(pos2(0.0, 0.0), pos2(size.x as f32, size.y as f32)));
     input.viewports.entry(ViewportId::ROOT).or_default().native_pixels_per_point = Some(1.0);
     input

@@ -16,6 +16,8 @@ struct Shown {
     handle: TextureHandle,
     /// What it was made from.
     key: Key,
+    /// Width and height, px.
+    size: [usize; 2],
 }
 
 /// Numbers that change when the picture does.
@@ -48,24 +50,37 @@ impl Textures {
     }
 
     fn upload(&mut self, context: &Context, pane: Pane, key: Key, image: ColorImage) {
+        let image = within(image, context.input(|input| input.max_texture_side));
+        let size = image.size;
         // Pixels are judged here: none is smoothed.
         let options = TextureOptions::NEAREST;
         match self.handles.get_mut(&pane) {
             Some(shown) => {
                 shown.handle.set(image, options);
-                shown.key = key;
+                (shown.key, shown.size) = (key, size);
             }
             None => {
                 let handle = context.load_texture(format!("{pane:?}"), image, options);
-                self.handles.insert(pane, Shown { handle, key });
+                self.handles.insert(pane, Shown { handle, key, size });
             }
         }
     }
 
-    /// The texture of a strip.
-    pub fn get(&self, pane: Pane) -> Option<TextureId> {
-        self.handles.get(&pane).map(|shown| shown.handle.id())
+    /// The texture of a strip, and width and height of its picture.
+    pub fn get(&self, pane: Pane) -> Option<(TextureId, [usize; 2])> {
+        self.handles.get(&pane).map(|shown| (shown.handle.id(), shown.size))
     }
+}
+
+/// A picture that a texture can hold: every second pixel, or third, … of one that is too large, such as a shadow map.
+fn within(image: ColorImage, limit: usize) -> ColorImage {
+    let step = image.size[0].max(image.size[1]).div_ceil(limit.max(1)).max(1);
+    if step == 1 {
+        return image;
+    }
+    let size = image.size.map(|side| side.div_ceil(step));
+    let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x * step, y * step))).map(|at| image[at]);
+    ColorImage::new(size, pixels.collect())
 }
 
 fn side(pane: Pane) -> usize {
@@ -91,5 +106,20 @@ pub(crate) fn picture(model: &Model, pane: Pane) -> Option<ColorImage> {
         Pane::A | Pane::B => show::of_side(&model.show, model.frames.as_ref()?, side(pane), model.current_reference(), model.develop()),
         Pane::Reference => show::of_reference(&model.show, model.current_reference()?, model.develop()),
         Pane::HeatA | Pane::HeatB => Some(show::of_errors(model.errors.get(side(pane))?.as_ref()?.as_ref().ok()?, model.heat_full)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::Color32;
+
+    #[test]
+    fn large_pictures_are_thinned_to_what_a_texture_holds() {
+        let pixels = (0..50u8).map(Color32::from_gray).collect();
+        let image = ColorImage::new([10, 5], pixels);
+        assert_eq!(within(image.clone(), 10).size, [10, 5]);
+        let thin = within(image, 4);
+        assert_eq!((thin.size, thin[(1, 1)]), ([4, 2], Color32::from_gray(33)));
     }
 }

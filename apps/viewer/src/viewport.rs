@@ -37,8 +37,8 @@ fn strips(ui: &Ui, model: &Model, textures: &Textures, whole: Rect) {
     for (pane, strip) in &strips {
         let painter = ui.painter().with_clip_rect(*strip);
         match textures.get(*pane) {
-            Some(texture) => {
-                painter.image(texture, whole, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
+            Some((texture, size)) => {
+                painter.image(texture, fitted(whole, size), Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
             }
             None if model.moment.is_some() => label(&painter, strip.center(), Align2::CENTER_CENTER, &waiting(model, *pane)),
             None => {}
@@ -47,6 +47,17 @@ fn strips(ui: &Ui, model: &Model, textures: &Textures, whole: Rect) {
             label(&painter, strip.left_bottom() + vec2(8.0, -8.0), Align2::LEFT_BOTTOM, &title(model, *pane));
         }
     }
+}
+
+/// Where a picture of another shape than the window stands: whole, in the middle. Pictures of the window's shape fill it to the last pixel.
+fn fitted(whole: Rect, [width, height]: [usize; 2]) -> Rect {
+    let shape = |width: f32, height: f32| width / height.max(1.0);
+    let ratio = shape(width as f32, height as f32) / shape(whole.width(), whole.height()).max(1e-6);
+    if (0.95..=1.05).contains(&ratio) || width == 0 || height == 0 {
+        return whole;
+    }
+    let scale = (whole.width() / width as f32).min(whole.height() / height as f32);
+    Rect::from_center_size(whole.center(), vec2(width as f32, height as f32) * scale)
 }
 
 /// What stands in a strip without a picture.
@@ -156,6 +167,14 @@ fn message(ui: &Ui, model: &Model, whole: Rect) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pictures_of_another_shape_are_shown_whole() {
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(400.0, 200.0));
+        assert_eq!(fitted(whole, [200, 101]), whole);
+        assert_eq!(fitted(whole, [512, 512]), Rect::from_min_max(pos2(100.0, 0.0), pos2(300.0, 200.0)));
+        assert_eq!(fitted(whole, [800, 100]), Rect::from_min_max(pos2(0.0, 75.0), pos2(400.0, 125.0)));
+    }
 
     #[test]
     fn keys_lead_where_they_say() {

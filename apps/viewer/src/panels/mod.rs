@@ -24,6 +24,9 @@ pub(crate) fn style(context: &Context) {
     visuals.panel_fill = egui::Color32::from_gray(24);
     visuals.override_text_color = Some(egui::Color32::from_gray(215));
     context.set_visuals(visuals);
+    context.all_styles_mut(|style| {
+        style.text_styles.insert(egui::TextStyle::Small, egui::FontId::proportional(11.0));
+    });
 }
 
 /// All panels; the picture takes what is left.

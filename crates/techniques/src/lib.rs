@@ -9,6 +9,7 @@ mod error;
 mod frame;
 mod insight;
 mod needs;
+mod ray_count;
 mod role;
 pub mod shaders;
 pub mod shadow;

@@ -17,9 +17,12 @@ pub const FILES: &[SourceFile<'static>] = files![
     "lights",
     "material",
     "raster",
+    "ray_count",
     "reflect",
     "scene",
     "screen",
+    "shadow_rays",
+    "soft_map",
     "spread",
     "surface",
     "trace"

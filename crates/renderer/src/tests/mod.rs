@@ -7,6 +7,7 @@ mod changes;
 mod display;
 mod emissive;
 mod gbuffer;
+mod hybrids;
 mod lighting;
 mod map_family;
 mod model_twins;

@@ -2,16 +2,20 @@
 
 pub mod cascades;
 pub mod contact;
+pub mod contact_rays;
 pub mod depth_map;
 pub mod evsm;
 pub mod hard;
+mod hybrid;
 pub mod light_space_perspective;
 pub mod map;
 mod moments;
 pub mod msm;
 pub mod multi_sample;
+pub mod near_rays;
 pub mod none;
 pub mod pcss;
+pub mod penumbra_rays;
 pub mod ray_traced;
 mod volume;
 pub mod volume_zfail;
@@ -36,5 +40,8 @@ pub const ALL: &[&Technique] = &[
     &volume_zfail::TECHNIQUE,
     &wedges::TECHNIQUE,
     &multi_sample::TECHNIQUE,
+    &contact_rays::TECHNIQUE,
+    &near_rays::TECHNIQUE,
+    &penumbra_rays::TECHNIQUE,
     &ray_traced::TECHNIQUE,
 ];

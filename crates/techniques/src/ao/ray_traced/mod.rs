@@ -7,10 +7,11 @@ mod upsample;
 
 use super::filter::Filter;
 use super::{READS, reach};
+use crate::ray_count::RayCount;
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
 use kajo_params::{ParamChoice, ParamValues, Params};
 use kajo_render_graph::wgpu::BufferUsages;
-use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Device, Graph, PipelineOptions, readback, slot};
+use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Device, Graph, PipelineOptions, slot};
 use upsample::Upsample;
 
 /// The technique.
@@ -76,7 +77,7 @@ struct RayTraced {
     params: Params,
     pipeline: ComputePipeline,
     uniform: Buffer,
-    rays: Buffer,
+    rays: RayCount,
     upsample: Option<Upsample>,
     filter: Filter,
 }
@@ -91,7 +92,7 @@ impl RayTraced {
             params,
             pipeline: ComputePipeline::new(device, &shader, "trace_around", options)?,
             uniform: device.buffer(TECHNIQUE.id, size_of::<GpuParams>() as u64, BufferUsages::UNIFORM | BufferUsages::COPY_DST)?,
-            rays: device.buffer_with("ao/ray-traced rays", &[0u32; 2], BufferUsages::STORAGE | BufferUsages::COPY_SRC)?,
+            rays: RayCount::new(context, "ao/ray-traced rays")?,
             upsample: if params.resolution == Resolution::Half { Some(Upsample::new(context)?) } else { None },
             filter: Filter::new(context, TECHNIQUE.id, params.denoise, params.samples)?,
         })
@@ -126,7 +127,7 @@ impl Effect for RayTraced {
                 .with("depth", pass.view(slot::DEPTH)?)
                 .with("normal", pass.view(slot::NORMAL)?)
                 .with("visibility", target)
-                .with("rays", &self.rays);
+                .with(RayCount::BINDING, self.rays.buffer());
             self.pipeline.dispatch(pass.device, pass.encoder, &frame.shared, &own, size.extend(1))
         });
         if let Some(upsample) = &self.upsample {
@@ -136,7 +137,6 @@ impl Effect for RayTraced {
     }
 
     fn rays(&self, device: &Device) -> Result<u64, Error> {
-        let words: Vec<u32> = readback::read_buffer(device, &self.rays.wgpu)?;
-        Ok(u64::from(words[0]) | u64::from(words[1]) << 32)
+        self.rays.rays(device)
     }
 }

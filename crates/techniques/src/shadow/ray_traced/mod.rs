@@ -5,11 +5,12 @@ mod tests;
 
 mod denoise;
 
-use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
+use crate::ray_count::RayCount;
+use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Statistic, Technique};
 use denoise::Denoise;
 use kajo_params::{ParamValues, Params};
 use kajo_render_graph::wgpu::BufferUsages;
-use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Device, Graph, PipelineOptions, readback, slot};
+use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Device, Graph, PipelineOptions, slot};
 
 /// The technique.
 pub const TECHNIQUE: Technique = Technique {
@@ -42,15 +43,15 @@ pub struct Params {
 struct GpuParams {
     samples: u32,
     first_light: u32,
-    light_count: u32,
-    _padding: u32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 struct RayTraced {
     params: Params,
     pipeline: ComputePipeline,
     uniform: Buffer,
-    rays: Buffer,
+    rays: RayCount,
     denoise: Denoise,
 }
 
@@ -68,15 +69,15 @@ impl RayTraced {
                 size_of::<GpuParams>() as u64,
                 BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             )?,
-            rays: context.device.buffer_with("shadow/ray-traced rays", &[0u32; 2], BufferUsages::STORAGE | BufferUsages::COPY_SRC)?,
+            rays: RayCount::new(context, "shadow/ray-traced rays")?,
         })
     }
 }
 
 impl Effect for RayTraced {
     fn prepare(&mut self, frame: &FrameContext) -> Result<(), Error> {
-        let params =
-            GpuParams { samples: self.params.samples, first_light: frame.first_light, light_count: frame.lights.len() as u32, _padding: 0 };
+        let params = GpuParams { samples: self.params.samples, first_light: frame.first_light, padding_a: 0, padding_b: 0 };
+        self.rays.prepare(frame);
         self.uniform.write(&frame.device.queue, bytemuck::bytes_of(&params));
         self.denoise.prepare(frame);
         Ok(())
@@ -91,7 +92,7 @@ impl Effect for RayTraced {
                 .with("depth", pass.view(slot::DEPTH)?)
                 .with("normal", pass.view(slot::NORMAL)?)
                 .with("visibility", pass.view(traced)?)
-                .with("rays", &self.rays);
+                .with(RayCount::BINDING, self.rays.buffer());
             let invocations = frame.size().extend(frame.lights.len() as u32);
             self.pipeline.dispatch(pass.device, pass.encoder, &frame.shared, &own, invocations)
         });
@@ -99,7 +100,10 @@ impl Effect for RayTraced {
     }
 
     fn rays(&self, device: &Device) -> Result<u64, Error> {
-        let words: Vec<u32> = readback::read_buffer(device, &self.rays.wgpu)?;
-        Ok(u64::from(words[0]) | u64::from(words[1]) << 32)
+        self.rays.rays(device)
+    }
+
+    fn statistics(&self, frame: &FrameContext) -> Result<Vec<Statistic>, Error> {
+        self.rays.statistics(frame)
     }
 }

@@ -7,7 +7,7 @@ use kajo_image::Image;
 use kajo_image_metrics::shadow_border;
 use kajo_path_tracer::{Aov, Pixels};
 use kajo_render_graph::Device;
-use kajo_scene::{AlphaMode, LightShape, Material, Mesh, Projection, Scene, Snapshot, builtin, shapes};
+use kajo_scene::{AlphaMode, LightShape, Material, Mesh, Projection, Scene, Snapshot, adjacency, builtin, shapes};
 use kajo_techniques::DebugPixels;
 use kajo_units::{LinearRgb, Meters, Radians, Seconds};
 use std::collections::BTreeSet;
@@ -315,6 +315,34 @@ fn volumes_follow_what_moves_in_the_same_frame() {
             let changed = before.is_none_or(|before| before.visibility[0].pixels() != out.visibility[0].pixels());
             assert!(changed, "{name} at {time} s: nothing moved");
             before = Some(out);
+        }
+    }
+}
+
+/// Row SH-02 on the device: the side polygons that it finds are as many as the edges of the silhouette that the CPU finds; a cube lit from a corner has six.
+#[test]
+fn the_device_finds_the_silhouettes_of_the_cpu() {
+    let device = Device::new().unwrap();
+    let turn = Quat::from_rotation_y(0.4) * Quat::from_rotation_x(0.3);
+    let world_from_object = Affine3A::from_scale_rotation_translation(Vec3::new(1.0, 1.3, 0.8), turn, Vec3::new(0.3, 0.5, -0.2));
+    let bodies =
+        [("cube", shapes::cuboid(Vec3::splat(0.5))), ("sphere", shapes::sphere(0.5, 14)), ("fine sphere", shapes::sphere(0.5, 64))];
+    let spots = [Vec3::new(3.0, 4.0, 5.0), Vec3::new(-2.0, 1.5, 0.7), Vec3::new(0.4, -3.0, 1.1)];
+    for (name, mesh) in bodies {
+        for at in spots {
+            for (shape, w) in [(LightShape::Point, 1.0), (LightShape::Directional { half_angle: Radians(0.0) }, 0.0)] {
+                let mut scene = Scene::default();
+                place(&mut scene, mesh.clone(), lambert(0.5), world_from_object);
+                light(&mut scene, shape, 1.0, at, -at);
+                camera(&mut scene, PERSPECTIVE, Vec3::new(0.0, 1.0, 4.0), Vec3::new(0.3, 0.5, 0.0));
+                let out = frame(&device, &scene, UVec2::new(32, 24), "shadow/volume-zpass", &[("culling", "false")]);
+                let found = out.statistics.iter().find(|s| s.name == "shadow polygons").unwrap().value as usize;
+                let local = world_from_object.matrix3.inverse() * (glam::Vec3A::from(at) - world_from_object.translation * w);
+                let faces = adjacency::faces(&mesh, Vec3::from(local).extend(w));
+                let expected = adjacency::Adjacency::new(&mesh).silhouette(&faces).len();
+                assert_eq!(found, expected, "{name}, light at {at}, w = {w}");
+                assert!(name != "cube" || found == 6 || found == 4, "{found} edges of a cube");
+            }
         }
     }
 }

@@ -76,3 +76,20 @@ fn the_articles_numbers_of_samples_make_smooth_penumbrae() {
         assert!(error < 0.005, "{samples} samples: {error}");
     }
 }
+
+/// What the hard algorithm counts is summed over the points of the light.
+#[test]
+fn multi_sampling_counts_what_the_hard_algorithm_does() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(32, 24);
+    let scene = board(LightShape::Rectangle { width: Meters(0.2), height: Meters(0.2) });
+    let polygons = |technique, params: &[(&str, &str)]| {
+        let out = frame(&device, &scene, size, technique, params);
+        let found: Vec<u64> = out.statistics.iter().filter(|s| s.name == "shadow polygons" && s.light == 0).map(|s| s.value).collect();
+        assert_eq!(found.len(), 1, "{technique}: {:?}", out.statistics);
+        found[0]
+    };
+    let one = polygons("shadow/volume-zfail", &[]);
+    let many = polygons("shadow/multi-sample", &[("over", "shadow/volume-zfail"), ("samples", "20")]);
+    assert!(one > 0 && many > 15 * one && many < 25 * one, "{many} polygons for 20 points, {one} for the middle");
+}

@@ -5,7 +5,7 @@ mod points;
 mod tests;
 
 use super::hard::Hard;
-use crate::{Effect, Error, FrameContext, FrameLight, MakeContext, Needs, Role, Technique};
+use crate::{Effect, Error, FrameContext, FrameLight, MakeContext, Needs, Role, Statistic, Technique};
 use kajo_params::{ParamValues, Params};
 use kajo_render_graph::wgpu::{self, BufferUsages};
 use kajo_render_graph::{
@@ -70,6 +70,8 @@ struct MultiSample {
     dividing: Option<Buffer>,
     lights: Buffer,
     sums: Option<Texture>,
+    /// What the hard algorithm counted for all points of each light.
+    counted: Vec<Statistic>,
     /// The images of one batch, beside those of the G-buffer.
     pool: Option<Pool>,
 }
@@ -94,12 +96,13 @@ impl MultiSample {
                 BufferUsages::STORAGE | BufferUsages::COPY_DST,
             )?,
             sums: None,
+            counted: Vec::new(),
             pool: None,
         })
     }
 
-    /// Hard shadows of one batch of lights, added to the sum of `params.layer`.
-    fn batch(&mut self, frame: &FrameContext, params: GpuParams, pool: &mut Pool) -> Result<Timings, Error> {
+    /// Hard shadows of one batch of lights, points of `light`, added to the sum of `params.layer`.
+    fn batch(&mut self, frame: &FrameContext, light: u32, params: GpuParams, pool: &mut Pool) -> Result<Timings, Error> {
         self.adding.write(&frame.device.queue, bytemuck::bytes_of(&params));
         self.inner.prepare(frame)?;
         let mut timings = self.inner.run(frame, pool)?;
@@ -113,6 +116,12 @@ impl MultiSample {
             add.dispatch(pass.device, pass.encoder, &frame.shared, &own, frame.size().extend(1))
         });
         timings.merge(&graph.execute(frame.device, pool)?);
+        for Statistic { name, value, .. } in self.inner.statistics(frame)? {
+            match self.counted.iter_mut().find(|sum| (sum.name, sum.light) == (name, light)) {
+                Some(sum) => sum.value += value,
+                None => self.counted.push(Statistic { name, light, value }),
+            }
+        }
         Ok(timings)
     }
 }
@@ -147,6 +156,7 @@ impl Effect for MultiSample {
             _ => Pool::new(outer.size(), BATCH.min(self.params.samples)),
         };
         pool.share(outer, &GBUFFER);
+        self.counted.clear();
         let mut timings = Timings::default();
         let mut means = vec![0u8; frame.lights.len() * STRIDE as usize];
         for (layer, light) in frame.lights.iter().enumerate() {
@@ -163,7 +173,7 @@ impl Effect for MultiSample {
                         debug: false,
                         ..*frame
                     };
-                    timings.merge(&self.batch(&alone, params, &mut pool)?);
+                    timings.merge(&self.batch(&alone, frame.first_light + layer as u32, params, &mut pool)?);
                 }
                 Some(points) => {
                     for batch in points.chunks(BATCH as usize) {
@@ -174,7 +184,7 @@ impl Effect for MultiSample {
                         let shared = frame.shared.clone().with("lights", Resource::Buffer(&own));
                         let part = FrameContext { lights: &lights, first_light: 0, shared, debug: false, ..*frame };
                         params.count = batch.len() as u32;
-                        timings.merge(&self.batch(&part, params, &mut pool)?);
+                        timings.merge(&self.batch(&part, frame.first_light + layer as u32, params, &mut pool)?);
                         params.first = 0;
                     }
                 }
@@ -203,6 +213,10 @@ impl Effect for MultiSample {
 
     fn rays(&self, device: &Device) -> Result<u64, Error> {
         self.inner.rays(device)
+    }
+
+    fn statistics(&self, _frame: &FrameContext) -> Result<Vec<Statistic>, Error> {
+        Ok(self.counted.clone())
     }
 
     fn notes(&self) -> Vec<Ignored> {

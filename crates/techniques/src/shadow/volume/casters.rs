@@ -20,7 +20,7 @@ pub(super) struct GpuJob {
     pub edges: u32,
     pub instance: u32,
     pub whole: u32,
-    pub caps: u32,
+    pub closed: u32,
     pub inside_out: u32,
     pub padding: u32,
 }
@@ -128,7 +128,7 @@ impl Casters {
                 instance: draw.instance,
                 whole: u32::from(whole),
                 // Between the camera and what it sees lie no caps but those that can be seen through.
-                caps: u32::from(count == Count::Behind || masked),
+                closed: u32::from(count == Count::Behind || masked),
                 inside_out: u32::from(caster.inside_out),
                 ..GpuJob::default()
             });

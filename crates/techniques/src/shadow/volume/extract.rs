@@ -1,5 +1,7 @@
 //! Side polygons and caps of each light's volumes, found by the device.
 
+use super::SHARED;
+use super::buffers::{STRIDE, append, grow, made, upload};
 use super::casters::{GpuJob, Jobs};
 use crate::{Error, FrameContext, MakeContext};
 use bytemuck::{Pod, Zeroable};
@@ -36,8 +38,6 @@ pub(super) struct GpuCounts {
     padding_c: u32,
 }
 
-/// Distance between what belongs to two lights in a buffer: a multiple of every device's offset alignment.
-const STRIDE: u64 = 256;
 /// Vertices of a side polygon, and of both ends of a volume.
 const VERTICES: u32 = 6;
 /// Where the draw of the caps begins in [`GpuCounts`].
@@ -54,16 +54,16 @@ pub(super) struct Extract {
     job_lists: Option<Buffer>,
     counts: Option<Buffer>,
     /// Of the triangles of one light's jobs.
-    sides: Option<Buffer>,
+    facing: Option<Buffer>,
     silhouette: Option<Buffer>,
-    lids: Option<Buffer>,
+    caps: Option<Buffer>,
 }
 
 /// The polygons of one light.
 #[derive(Clone, Copy)]
 pub(super) struct Lists<'a> {
     pub silhouette: &'a Buffer,
-    pub lids: &'a Buffer,
+    pub caps: &'a Buffer,
     /// Draws of the sides and of the caps, and where in the buffer they stand.
     pub draws: &'a Buffer,
     pub side_draw: u64,
@@ -72,7 +72,7 @@ pub(super) struct Lists<'a> {
 
 impl Extract {
     pub fn new(context: &MakeContext) -> Result<Self, Error> {
-        let shader = context.shader("shadow/volume/extract", include_str!("extract.wesl"))?;
+        let shader = context.shader_with("shadow/volume/extract", include_str!("extract.wesl"), SHARED)?;
         let options = PipelineOptions { list_length: context.textures, ..Default::default() };
         let pipeline = |entry| ComputePipeline::new(context.device, &shader, entry, options);
         Ok(Self {
@@ -82,9 +82,9 @@ impl Extract {
             uniforms: None,
             job_lists: None,
             counts: None,
-            sides: None,
+            facing: None,
             silhouette: None,
-            lids: None,
+            caps: None,
         })
     }
 
@@ -93,9 +93,9 @@ impl Extract {
         let device = frame.device;
         let most = |of: &dyn Fn(&Jobs) -> u64| jobs.iter().map(of).max().unwrap_or(0).max(1);
         let storage = BufferUsages::STORAGE;
-        grow(device, &mut self.sides, "shadow/volume sides", most(&|j| u64::from(j.triangles)) * 4, storage)?;
+        grow(device, &mut self.facing, "shadow/volume facing", most(&|j| u64::from(j.triangles)) * 4, storage)?;
         grow(device, &mut self.silhouette, "shadow/volume silhouette", most(&|j| j.most_sides) * 12, storage)?;
-        grow(device, &mut self.lids, "shadow/volume caps", most(&|j| u64::from(j.triangles)) * 8, storage)?;
+        grow(device, &mut self.caps, "shadow/volume caps", most(&|j| u64::from(j.triangles)) * 8, storage)?;
 
         let nothing = [GpuJob::zeroed()];
         let (mut uniforms, mut lists, mut counts) = (Vec::new(), Vec::new(), Vec::new());
@@ -122,9 +122,9 @@ impl Extract {
         let common = Bindings::new()
             .with("extraction", Resource::Range(&made(&self.uniforms).wgpu, layer as u64 * STRIDE, size_of::<GpuExtraction>() as u64))
             .with("jobs", Resource::Range(&made(&self.job_lists).wgpu, first, list_bytes(jobs)))
-            .with("sides", made(&self.sides))
+            .with("facing", made(&self.facing))
             .with("counts", self.counts(layer));
-        let faces = common.clone().with("lids", made(&self.lids));
+        let faces = common.clone().with("caps", made(&self.caps));
         self.face_triangles.dispatch(pass.device, pass.encoder, &frame.shared, &faces, spread(jobs.triangles))?;
         let edges = common.with("edges", edges).with("silhouette", made(&self.silhouette));
         self.extrude_edges.dispatch(pass.device, pass.encoder, &frame.shared, &edges, spread(jobs.edges))
@@ -140,7 +140,7 @@ impl Extract {
         let side_draw = layer as u64 * STRIDE;
         Lists {
             silhouette: made(&self.silhouette),
-            lids: made(&self.lids),
+            caps: made(&self.caps),
             draws: made(&self.counts),
             side_draw,
             cap_draw: side_draw + CAPS,
@@ -158,18 +158,8 @@ impl Extract {
     }
 }
 
-fn made(buffer: &Option<Buffer>) -> &Buffer {
-    buffer.as_ref().expect("prepared")
-}
-
 fn list_bytes(jobs: &Jobs) -> u64 {
     (jobs.list.len().max(1) * size_of::<GpuJob>()) as u64
-}
-
-/// Appends `bytes`, and zeros up to the next multiple of [`STRIDE`].
-fn append(buffer: &mut Vec<u8>, bytes: &[u8]) {
-    buffer.extend(bytes);
-    buffer.resize(buffer.len().next_multiple_of(STRIDE as usize), 0);
 }
 
 /// As many invocations as there are things, over two dimensions where one is too short.
@@ -178,32 +168,4 @@ fn spread(count: u32) -> UVec3 {
     const MOST_GROUPS: u32 = 65_535;
     let groups = count.div_ceil(GROUP);
     UVec3::new(groups.min(MOST_GROUPS) * GROUP, groups.div_ceil(MOST_GROUPS).max(1), 1)
-}
-
-/// Makes a buffer of at least `bytes`, where the one that is there is smaller.
-fn grow(device: &Device, buffer: &mut Option<Buffer>, label: &str, bytes: u64, usage: BufferUsages) -> Result<(), Error> {
-    if buffer.as_ref().is_none_or(|buffer| buffer.bytes() < bytes) {
-        *buffer = None;
-        *buffer = Some(device.buffer(label, bytes, usage)?);
-    }
-    Ok(())
-}
-
-/// Writes `bytes` into a buffer that is large enough.
-pub(super) fn upload(device: &Device, buffer: &mut Option<Buffer>, label: &str, bytes: &[u8], usage: BufferUsages) -> Result<(), Error> {
-    grow(device, buffer, label, bytes.len() as u64, usage | BufferUsages::COPY_DST)?;
-    made(buffer).write(&device.queue, bytes);
-    Ok(())
-}
-
-/// Uniforms of all lights of a group, [`STRIDE`] apart.
-pub(super) fn upload_uniforms<T: Pod>(device: &Device, buffer: &mut Option<Buffer>, label: &str, values: &[T]) -> Result<(), Error> {
-    let mut bytes = Vec::new();
-    values.iter().for_each(|value| append(&mut bytes, bytemuck::bytes_of(value)));
-    upload(device, buffer, label, &bytes, BufferUsages::UNIFORM)
-}
-
-/// The uniform of one light.
-pub(super) fn uniform<T>(buffer: &Option<Buffer>, layer: usize) -> Resource<'_> {
-    Resource::Range(&made(buffer).wgpu, layer as u64 * STRIDE, size_of::<T>() as u64)
 }

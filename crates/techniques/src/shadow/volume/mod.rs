@@ -3,6 +3,7 @@
 //! For each light of the group: [`extract`] turns the meshes that are drawn into side polygons and caps, a pass finds where each visible point lies, the
 //! polygons are rasterised into a stencil, and where the count is 0 the point sees the light.
 
+mod buffers;
 mod casters;
 mod cull;
 mod extract;
@@ -19,6 +20,7 @@ use glam::UVec2;
 use kajo_image::Image;
 use kajo_render_graph::{Access, Graph, Slot, Texture, readback, slot, wgpu};
 use kajo_scene::Ignored;
+use kajo_shader_lib::SourceFile;
 use kajo_units::LinearRgb;
 use polygons::Polygons;
 use receive::Receive;
@@ -32,6 +34,9 @@ pub(super) enum Count {
     /// Those behind the visible point; volumes are closed by caps.
     Behind,
 }
+
+/// What the shaders have in common.
+const SHARED: &[SourceFile] = &[SourceFile { name: "volume", source: include_str!("volume.wesl") }];
 
 /// Slots that the passes read.
 pub(super) const READS: &[Slot] = &[slot::DEPTH, slot::NORMAL, slot::IDS];

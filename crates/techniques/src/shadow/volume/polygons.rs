@@ -1,7 +1,8 @@
 //! Rasterising the polygons: into the stencil, and into pictures.
 
 use super::Count;
-use super::extract::{self, Lists};
+use super::extract::Lists;
+use super::{SHARED, buffers};
 use crate::{Error, FrameContext, MakeContext};
 use bytemuck::{Pod, Zeroable};
 use kajo_render_graph::wgpu::{self, BufferUsages};
@@ -48,7 +49,7 @@ struct Pictures {
 
 impl Polygons {
     pub fn new(context: &MakeContext, count: Count) -> Result<Self, Error> {
-        let shader = context.shader("shadow/volume/count", include_str!("count.wesl"))?;
+        let shader = context.shader_with("shadow/volume/count", include_str!("count.wesl"), SHARED)?;
         // Going away from the eye, a side that faces the viewer leads into a volume, one that faces away leads out of it. Before the visible point both are
         // summed, behind it what leads out is left over by the volumes that hold the point.
         let (enter, leave) = match count {
@@ -98,10 +99,10 @@ impl Polygons {
         let behind = u32::from(self.count == Count::Behind);
         let uniform = |layer| GpuCounting { light: frame.first_light + layer, behind, padding_a: 0, padding_b: 0 };
         let uniforms: Vec<GpuCounting> = (0..frame.lights.len() as u32).map(uniform).collect();
-        extract::upload_uniforms(frame.device, &mut self.uniforms, "shadow/volume counting", &uniforms)?;
+        buffers::upload_uniforms(frame.device, &mut self.uniforms, "shadow/volume counting", &uniforms)?;
         let none = vec![GpuTally::zeroed(); frame.lights.len()];
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-        extract::upload(frame.device, &mut self.tallies, "shadow/volume fragments", bytemuck::cast_slice(&none), usage)
+        buffers::upload(frame.device, &mut self.tallies, "shadow/volume fragments", bytemuck::cast_slice(&none), usage)
     }
 
     /// Counts a light's polygons in `stencil`, by the depth in `limit`.
@@ -116,7 +117,7 @@ impl Polygons {
         let tallies = &self.tallies.as_ref().expect("prepared").wgpu;
         let bytes = size_of::<GpuTally>() as u64;
         let common = Bindings::new()
-            .with("counting", extract::uniform::<GpuCounting>(&self.uniforms, layer))
+            .with("counting", buffers::uniform::<GpuCounting>(&self.uniforms, layer))
             .with("limit", limit)
             .with("fragments", Resource::Range(tallies, layer as u64 * bytes, bytes));
         let mut render = pass.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -136,7 +137,7 @@ impl Polygons {
         });
         self.sides.set(pass.device, &mut render, &frame.shared, &common.clone().with("silhouette", lists.silhouette))?;
         render.draw_indirect(&lists.draws.wgpu, lists.side_draw);
-        self.caps.set(pass.device, &mut render, &frame.shared, &common.with("lids", lists.lids))?;
+        self.caps.set(pass.device, &mut render, &frame.shared, &common.with("caps", lists.caps))?;
         render.draw_indirect(&lists.draws.wgpu, lists.cap_draw);
         Ok(())
     }
@@ -160,7 +161,7 @@ impl Polygons {
         let depth = pass.view(slot::DEPTH)?;
         let scene = Bindings::new().with("depth", &depth).with("normal", pass.view(slot::NORMAL)?);
         let polygons = Bindings::new()
-            .with("counting", extract::uniform::<GpuCounting>(&self.uniforms, layer))
+            .with("counting", buffers::uniform::<GpuCounting>(&self.uniforms, layer))
             .with("silhouette", lists.silhouette)
             .with("depth", &depth);
         let pictures = &self.pictures;

@@ -1,6 +1,6 @@
 //! Where the visible points lie, and what the counts say about them.
 
-use super::{Count, extract};
+use super::{Count, buffers};
 use crate::{Error, FrameContext, MakeContext};
 use bytemuck::{Pod, Zeroable};
 use glam::UVec3;
@@ -43,7 +43,7 @@ impl Receive {
         let least = if count == Count::Behind { -1.0 } else { 2e-4 };
         let uniform = |layer| GpuReceiving { light: frame.first_light + layer, layer, skip: u32::from(skip), least };
         let uniforms: Vec<GpuReceiving> = (0..frame.lights.len() as u32).map(uniform).collect();
-        extract::upload_uniforms(frame.device, &mut self.uniforms, "shadow/volume receiving", &uniforms)
+        buffers::upload_uniforms(frame.device, &mut self.uniforms, "shadow/volume receiving", &uniforms)
     }
 
     pub fn find_limits(
@@ -80,7 +80,7 @@ impl Receive {
         pass: &mut PassContext,
     ) -> Result<(), kajo_render_graph::Error> {
         let own = Bindings::new()
-            .with("receiving", extract::uniform::<GpuReceiving>(&self.uniforms, layer))
+            .with("receiving", buffers::uniform::<GpuReceiving>(&self.uniforms, layer))
             .with("stencil", stencil)
             .with("counts", counts)
             .with("shown", shown.array());
@@ -90,7 +90,7 @@ impl Receive {
     /// What the visible points are found from.
     fn points(&self, layer: usize, pass: &PassContext) -> Result<Bindings<'_>, kajo_render_graph::Error> {
         Ok(Bindings::new()
-            .with("receiving", extract::uniform::<GpuReceiving>(&self.uniforms, layer))
+            .with("receiving", buffers::uniform::<GpuReceiving>(&self.uniforms, layer))
             .with("depth", pass.view(slot::DEPTH)?)
             .with("normal", pass.view(slot::NORMAL)?)
             .with("ids", pass.view(slot::IDS)?))

@@ -1,6 +1,7 @@
 //! Penumbrae: what the edges of the silhouettes cut off each light.
 
-use super::extract::{self, Lists};
+use super::buffers;
+use super::extract::Lists;
 use crate::{Error, FrameContext, MakeContext};
 use bytemuck::{Pod, Zeroable};
 use kajo_render_graph::{Bindings, Buffer, ComputePipeline, PassContext, PipelineOptions, Resource, Texture, slot};
@@ -36,7 +37,7 @@ impl Soften {
         let distance = 4.0 * (high - low).length() + (low - frame.view.position).abs().max((high - frame.view.position).abs()).length();
         let uniform = |layer| GpuSoftening { light: frame.first_light + layer, layer, distance, samples: HORIZON_SAMPLES };
         let uniforms: Vec<GpuSoftening> = (0..frame.lights.len() as u32).map(uniform).collect();
-        extract::upload_uniforms(frame.device, &mut self.uniforms, "shadow/volume softening", &uniforms)
+        buffers::upload_uniforms(frame.device, &mut self.uniforms, "shadow/volume softening", &uniforms)
     }
 
     pub fn run(
@@ -48,7 +49,7 @@ impl Soften {
         pass: &mut PassContext,
     ) -> Result<(), kajo_render_graph::Error> {
         let own = Bindings::new()
-            .with("softening", extract::uniform::<GpuSoftening>(&self.uniforms, layer))
+            .with("softening", buffers::uniform::<GpuSoftening>(&self.uniforms, layer))
             .with("depth", pass.view(slot::DEPTH)?)
             .with("normal", pass.view(slot::NORMAL)?)
             .with("ids", pass.view(slot::IDS)?)

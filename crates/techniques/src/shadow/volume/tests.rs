@@ -7,7 +7,9 @@ use crate::{TraceBackend, shaders};
 
 #[test]
 fn structs_are_laid_out_as_the_shaders_read_them() {
-    let link = |name, source| shaders::link(name, source, shaders::Variant::without_models(TraceBackend::Compute, true)).unwrap();
+    let link = |name, source| {
+        shaders::link_with_files(name, source, super::SHARED, shaders::Variant::without_models(TraceBackend::Compute, true)).unwrap()
+    };
     let extract = link("shadow/volume/extract", include_str!("extract.wesl"));
     extract.check_layout::<GpuJob>("Job").unwrap();
     extract.check_layout::<GpuExtraction>("Extraction").unwrap();

@@ -248,12 +248,8 @@ fn the_memory_of_a_technique_is_what_it_keeps() {
                 let images = visibility + faces * resolution * resolution * 4;
                 assert_eq!(id, technique);
                 assert!(bytes >= images && bytes < images + small, "{id} {resolution} px, frame {index}: {bytes} B, {images} B of images");
-                assert_eq!(out.technique_bytes[1].0, "tone/agx");
-                assert!(
-                    (visibility..visibility + small).contains(&out.technique_bytes[1].1),
-                    "an 8-bit picture: {:?}",
-                    out.technique_bytes
-                );
+                let tone = out.technique_bytes.iter().find(|(id, _)| *id == "tone/agx").expect("every role's technique is listed").1;
+                assert!((visibility..visibility + small).contains(&tone), "an 8-bit picture: {:?}", out.technique_bytes);
             }
         }
     }

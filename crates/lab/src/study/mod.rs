@@ -4,12 +4,14 @@
 //! claims that hold or do not. Everything else (list, command line, page, files) iterates over [`ALL`].
 
 mod findings;
+mod fit;
 mod light_depth;
 mod page;
 mod plot;
 mod rig;
 mod shadow_aliasing;
 mod shadow_bias;
+mod shadow_cost;
 mod shadow_leaks;
 mod shadow_perception;
 mod shadow_samples;
@@ -49,6 +51,7 @@ pub const ALL: &[Study] = &[
     shadow_leaks::STUDY,
     shadow_samples::STUDY,
     shadow_wedges::STUDY,
+    shadow_cost::STUDY,
     shadow_perception::STUDY,
 ];
 
@@ -197,6 +200,13 @@ mod tests {
     fn the_report_shows_that_wedges_err_more_under_larger_lights() {
         let findings = holds("shadow-wedges");
         assert_eq!(findings.pictures.len(), 4, "wedges and rays for each occluder");
+    }
+
+    /// Row SH-20.
+    #[test]
+    fn volumes_cost_more_with_triangles_and_the_size_of_polygons_and_maps_with_texels() {
+        let findings = holds("shadow-cost");
+        assert!(findings.tables.len() == 2 && findings.plots.len() == 3);
     }
 
     /// Row SH-19.

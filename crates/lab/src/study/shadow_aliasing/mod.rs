@@ -1,5 +1,6 @@
 //! Errors of the border of hard shadow maps over their resolution, seen from far and near.
 
+use super::fit::exponent;
 use super::{Bench, Findings, Picture, Plot, Rig, Scale, Series, Set, Study, Table};
 use crate::LabError;
 use glam::{Affine3A, Quat, UVec2, Vec3};
@@ -77,12 +78,8 @@ fn run(bench: &Bench) -> Result<Findings, LabError> {
 /// the grid of the picture decides.
 fn fall(points: &[[f64; 2]]) -> f64 {
     const LEAST: f64 = 0.04;
-    let logs: Vec<[f64; 2]> = points.iter().filter(|p| p[1] > LEAST).map(|p| p.map(f64::log2)).collect();
-    let n = logs.len() as f64;
-    let mean = |axis: usize| logs.iter().map(|p| p[axis]).sum::<f64>() / n;
-    let (mx, my) = (mean(0), mean(1));
-    let slope = logs.iter().map(|p| (p[0] - mx) * (p[1] - my)).sum::<f64>() / logs.iter().map(|p| (p[0] - mx).powi(2)).sum::<f64>();
-    (-slope).exp2()
+    let seen: Vec<[f64; 2]> = points.iter().copied().filter(|p| p[1] > LEAST).collect();
+    (-exponent(&seen)).exp2()
 }
 
 #[cfg(test)]

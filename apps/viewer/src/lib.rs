@@ -11,6 +11,8 @@ mod command;
 mod error;
 mod errors;
 mod frames;
+#[cfg(test)]
+mod hand_tests;
 mod headless;
 mod layout;
 mod model;

@@ -107,6 +107,14 @@ fn expectations_that_are_not_met_end_the_script_with_its_line() {
     }
 }
 
+#[test]
+fn a_scene_of_nothing_but_sky_is_a_picture_and_says_that_nothing_is_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sky.kajo.toml");
+    std::fs::write(&path, "[environment]\nradiance = 1").unwrap();
+    run(&format!("open {}\nwait\nexpect picture\nexpect message nothing to judge", path.display())).unwrap();
+}
+
 /// `KAJO_VIEW_FRAMES` asks for more of them.
 #[test]
 fn many_frames_leave_memory_and_resources_as_they_were() {

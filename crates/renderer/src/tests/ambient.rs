@@ -94,7 +94,7 @@ fn ambient_rays_beside_a_wall_give_the_closed_form() {
         let measured = |wall, directions, reach| {
             let params = [("samples", "400"), ("directions", directions)];
             let out = around(&device, &spot_of_floor(wall, 0.5), size, Some(backend), ("ao/ray-traced", &params), reach);
-            assert!(out.rays > 100_000 && out.technique_rays.iter().any(|rays| *rays == ("ao/ray-traced", out.rays)), "{}", out.rays);
+            assert!(out.rays > 100_000 && out.technique_rays.contains(&("ao/ray-traced", out.rays)), "{}", out.rays);
             mean(open(&out))
         };
         for directions in ["uniform", "cosine"] {

@@ -1,7 +1,7 @@
 //! Rays over a shadow map: how many, where, and how near to rays everywhere.
 
 use super::scenes::*;
-use crate::{FrameOutput, FrameSettings, RoleSelection};
+use crate::FrameOutput;
 use glam::{Affine3A, UVec2, Vec2, Vec3};
 use kajo_bvh::{Blas, BuildOptions, BvhInstance, Filter, Ray, Tlas};
 use kajo_image::Image;
@@ -44,8 +44,9 @@ fn rays_in_penumbrae_give_the_image_of_rays_everywhere() {
         let all = frame(&device, &scene, size, "shadow/ray-traced", &[("samples", "4")]);
         let some = frame(&device, &scene, size, "shadow/penumbra-rays", &[("samples", "4")]);
         let lights = &Snapshot::new(&scene, START).lights;
-        for light in 0..truth.visibility.len() {
-            let samples = match lights[light].light.shape {
+        assert_eq!(truth.visibility.len(), lights.len());
+        for (light, placed) in lights.iter().enumerate() {
+            let samples = match placed.light.shape {
                 LightShape::Point | LightShape::Spot { .. } => 1,
                 LightShape::Directional { half_angle } if half_angle.0 == 0.0 => 1,
                 _ => 4,
@@ -54,7 +55,6 @@ fn rays_in_penumbrae_give_the_image_of_rays_everywhere() {
             let rays = rays_of(&some, light as u32);
             // A spot's map ends where its cone does; nothing beyond is lit.
             let images = some.gbuffer.as_ref().unwrap();
-            let placed = &lights[light];
             let in_cone = |p: &Vec3| match placed.light.shape {
                 LightShape::Spot { outer, .. } => {
                     let axis: Vec3 = placed.world_from_light.transform_vector3(Vec3::NEG_Z);

@@ -181,7 +181,7 @@ impl App {
             }
             reference::Answer::Reference(reference) => {
                 self.asked.arrived.1 += 1;
-                self.model.reference = Some(reference);
+                self.model.reference = Some(*reference);
             }
             reference::Answer::Failed(reason) => {
                 (self.model.reference_failed, self.model.reference) = (Some(reason), None);

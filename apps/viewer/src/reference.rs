@@ -31,7 +31,7 @@ pub(crate) enum Answer {
     /// Indices of the lights that are judged.
     Lights(Vec<usize>),
     /// The reference so far.
-    Reference(Reference),
+    Reference(Box<Reference>),
     /// There is nothing to judge, or the scene cannot be traced.
     Failed(String),
 }
@@ -122,7 +122,7 @@ impl Control for Watch<'_> {
         let frame = film.develop();
         let Some(judge) = self.plan.judges(self.tracer, &frame).remove(self.question.role.id()) else { return };
         let picture = self.plan.picture(self.tracer, &frame).unwrap_or_else(|| frame.beauty().clone());
-        self.desk.answer(Answer::Reference(Reference {
+        self.desk.answer(Answer::Reference(Box::new(Reference {
             question: self.question.clone(),
             judge: Arc::new(judge),
             lights: self.lights.clone(),
@@ -131,6 +131,6 @@ impl Control for Watch<'_> {
             spp: frame.spp,
             seconds: frame.seconds,
             invalid: frame.invalid_samples,
-        }));
+        })));
     }
 }

@@ -50,10 +50,13 @@ struct Sample {
     ms: [f64; 2],
 }
 
+/// A name, what makes a scene of a size, and the sizes.
+type Family = (&'static str, fn(u32) -> Set, Vec<u32>);
+
 fn run(bench: &Bench) -> Result<Findings, LabError> {
     let (size, frames) = if bench.quick { (UVec2::splat(192), 1) } else { (UVec2::splat(512), 7) };
     let steps = if bench.quick { 4 } else { 5 };
-    let families: [(&str, fn(u32) -> Set, Vec<u32>); 2] = [
+    let families: [Family; 2] = [
         ("field", |n| field(n.isqrt()), (1..=steps).map(|step| 1 << (2 * step)).collect()),
         ("tower", tower, (2..2 + steps).map(|step| 1 << step).collect()),
     ];

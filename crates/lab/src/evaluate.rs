@@ -75,7 +75,7 @@ pub fn evaluate(judge: &Judge, takes: &[Take], what: &str) -> Result<Evaluation,
     if judge.kind == Kind::Visibility {
         borders(judge, &takes[0], &mut error).map_err(named)?;
     }
-    let temporal = Temporal { flicker: flicker(&stacked), lag: None, ghost: None };
+    let temporal = Temporal { flicker: flicker(&stacked), still_flicker: flicker(&stacked), ..Temporal::default() };
     Ok(Evaluation { error, temporal, heat: largest_over_parts(&map, judge.size()), stacked: stacked.into_iter().next().expect("a take") })
 }
 

@@ -3,12 +3,13 @@
 use crate::evaluate::{Evaluation, difference, evaluate, pictures, reference_exr, reference_pictures, run_exr};
 use crate::html::{Pictures, page};
 use crate::judge::{Judge, Kind};
-use crate::measure::{Measured, WARM_UP_FRAMES, measure};
+use crate::measure::{Measured, Seen, WARM_UP_FRAMES, measure};
 use crate::plan::{Choice, Plan, plan};
 use crate::reference::{MAX_LIGHTS, References, judged_lights, references};
-use crate::report::{Candidate, DeviceEntry, OK, ReferenceEntry, Report, Run, Settings, decide, to_csv};
+use crate::report::{Candidate, DeviceEntry, OK, ReferenceEntry, Report, Run, Settings, Temporal, decide, to_csv};
 use crate::staging::{MANIFEST, PAGE, Staging};
 use crate::subject::Subject;
+use crate::temporal::Sequences;
 use crate::{CompareOptions, LabError, Progress, ReferenceStop, host};
 use kajo_image::write_png;
 use kajo_image_metrics::MseDifference;
@@ -16,6 +17,9 @@ use kajo_render_graph::Device;
 use kajo_renderer::{FrameSettings, Renderer, RendererSettings, RoleSelection};
 use kajo_techniques::Role;
 use std::collections::BTreeMap;
+
+/// What moving sequences add to the reference's share, for the progress bar.
+const SEQUENCE_SHARE: f64 = 0.4;
 
 /// Share of a scene's time that the reference takes, for the progress bar.
 const REFERENCE_SHARE: f64 = 0.6;
@@ -82,6 +86,7 @@ fn settings(options: &CompareOptions) -> Settings {
         reference_spp,
         reference_noise,
         time: options.time,
+        temporal: options.temporal,
     }
 }
 
@@ -129,6 +134,13 @@ impl Experiment<'_> {
         let Some(references) = rendered else { return Ok(false) };
         self.warn_about(&subject, &references, tracer.visibility_light_names().count());
 
+        let mut sequences = None;
+        if self.options.temporal > 0 {
+            let part = |f: f64| share(REFERENCE_SHARE * (1.0 + SEQUENCE_SHARE * f));
+            let made = Sequences::new(&subject, &roles, self.options, (&self.device, &self.pool), self.progress, &part)?;
+            let Some(made) = made else { return Ok(false) };
+            sequences = Some(made);
+        }
         let mut renderer = self.renderer(&subject, &judged_lights(&tracer));
         let total: usize = self.plan.iter().map(|(_, choices)| choices.len()).sum();
         let mut done = 0;
@@ -143,13 +155,18 @@ impl Experiment<'_> {
             let slug = self.reference(&subject, role, judge, &references)?;
             let mut evaluated = Vec::new();
             for choice in &choices {
-                let fraction = REFERENCE_SHARE + (1.0 - REFERENCE_SHARE) * done as f64 / total as f64;
+                let begun = REFERENCE_SHARE * if sequences.is_some() { 1.0 + SEQUENCE_SHARE } else { 1.0 };
+                let fraction = begun + (1.0 - begun) * done as f64 / total as f64;
                 self.progress.at(choice.technique.id, share(fraction));
                 if self.progress.interrupted() {
                     self.decide(&subject, role, judge, &evaluated);
                     return Ok(false);
                 }
-                evaluated.extend(self.run(&subject, role, choice, judge, renderer.as_mut(), &slug)?);
+                let run = self.run(&subject, role, choice, judge, renderer.as_mut(), &slug)?;
+                if let (Some((run, _)), Some(sequences)) = (&run, &mut sequences) {
+                    self.watch_motion(*run, sequences, role, choice);
+                }
+                evaluated.extend(run);
                 done += 1;
             }
             self.decide(&subject, role, judge, &evaluated);
@@ -246,7 +263,8 @@ impl Experiment<'_> {
             (_, Err(reason)) => Err(reason.clone()),
             (None, Ok(renderer)) => {
                 let seeds = (self.options.seed, self.options.frames, self.options.repeat);
-                measure(renderer, role, choice, seeds, subject.ambient_distance).map_err(|e| e.to_string())
+                measure(renderer, role, choice, seeds, Seen { ambient_distance: subject.ambient_distance })
+                    .map_err(|e| e.to_string())
             }
         };
         // An image that cannot be judged (NaN in it) is a fault of the technique: it is shown, and the others go on.
@@ -266,6 +284,15 @@ impl Experiment<'_> {
         run.cost = Some(measured.cost);
         self.report.runs.push(run);
         Ok(Some((self.report.runs.len() - 1, evaluation)))
+    }
+
+    /// Behaviour on moving sequences; a failure there takes nothing from the rest.
+    fn watch_motion(&mut self, run: usize, sequences: &mut Sequences, role: Role, choice: &Choice) {
+        let run = &mut self.report.runs[run];
+        match sequences.measure(role, choice) {
+            Ok(temporal) => run.temporal = Temporal { still_flicker: run.temporal.still_flicker, ..temporal },
+            Err(error) => self.report.warnings.push(format!("{}, {}: no moving sequence: {error}", run.scene, run.label())),
+        }
     }
 
     fn skip(&mut self, run: Run, reason: &str) {

@@ -21,6 +21,7 @@ pub mod report;
 mod staging;
 pub mod study;
 mod subject;
+mod temporal;
 
 pub use error::LabError;
 pub use experiment::compare;

@@ -25,6 +25,20 @@ pub struct Measured {
     pub ignored: Vec<Ignored>,
 }
 
+/// How the role's images are seen.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Role ambient visibility: how far a surface blocks, m.
+    pub ambient_distance: f32,
+}
+
+impl Seen {
+    /// Of a frame that gives the image of `role`.
+    pub fn settings(&self, role: Role) -> FrameSettings {
+        FrameSettings { ambient_distance: self.ambient_distance, ambient: role == Role::AmbientVisibility, ..FrameSettings::default() }
+    }
+}
+
 /// Renders `frames` timed frames, with numbers from `seed` on, and `repeat` takes: each is one frame; of techniques that keep a history the frame after which that
 /// has forgotten how it began, each take begun anew.
 ///
@@ -35,12 +49,10 @@ pub fn measure(
     role: Role,
     choice: &Choice,
     (seed, frames, repeat): (u64, u32, u32),
-    ambient_distance: f32,
+    seen: Seen,
 ) -> Result<Measured, Error> {
     let selection = RoleSelection::new().with(choice.technique, choice.params.clone());
-    let ambient = role == Role::AmbientVisibility;
-    let settings =
-        |frame: u32| FrameSettings { index: (seed as u32).wrapping_add(frame), ambient_distance, ambient, ..FrameSettings::default() };
+    let settings = |frame: u32| FrameSettings { index: (seed as u32).wrapping_add(frame), ..seen.settings(role) };
     let of = |list: &[(&str, u64)]| list.iter().filter(|(id, _)| *id == choice.technique.id).map(|(_, count)| count).sum();
     for frame in 0..WARM_UP_FRAMES {
         renderer.render(&selection, &settings(frame))?;

@@ -23,6 +23,8 @@ pub struct CompareOptions {
     pub frames: u32,
     /// Seeds of each technique.
     pub repeat: u32,
+    /// Frames of each moving sequence, for flicker, lag and ghosts; 0: none. Each needs a reference of its own.
+    pub temporal: u32,
     /// Most that a frame may cost, ms.
     pub budget_ms: Option<f64>,
     /// Camera by name or index; `None`: the first.
@@ -63,6 +65,7 @@ impl Default for CompareOptions {
             reference: ReferenceStop::Spp(256),
             frames: 10,
             repeat: 4,
+            temporal: 0,
             budget_ms: None,
             camera: None,
             look: None,
@@ -96,6 +99,9 @@ impl CompareOptions {
         }
         flag("--frames", self.frames.to_string());
         flag("--repeat", self.repeat.to_string());
+        if self.temporal > 0 {
+            flag("--temporal", self.temporal.to_string());
+        }
         if let Some(budget) = self.budget_ms {
             flag("--budget-ms", budget.to_string());
         }

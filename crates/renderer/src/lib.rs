@@ -22,6 +22,7 @@ mod ignored;
 mod motion;
 mod output;
 mod passes;
+mod placement;
 mod read;
 mod renderer;
 mod settings;
@@ -30,6 +31,7 @@ mod tests;
 mod upload;
 
 pub use error::Error;
+pub use motion::nothing_moves;
 pub use output::{FrameOutput, GBufferImages};
 pub use renderer::Renderer;
 pub use settings::{FrameSettings, RendererSettings, RoleSelection};

@@ -3,8 +3,8 @@
 use kajo_scene::{PlacedCamera, PlacedLight, Snapshot};
 use std::sync::Arc;
 
-/// True when a picture of one is a picture of the other.
-pub(crate) fn none(a: &Snapshot, b: &Snapshot) -> bool {
+/// True when a picture of one is a picture of the other: snapshots of one scene, between which neither bodies nor lights nor cameras move.
+pub fn nothing_moves(a: &Snapshot, b: &Snapshot) -> bool {
     let meshes = a.meshes.len() == b.meshes.len() && a.meshes.iter().zip(&b.meshes).all(|(a, b)| Arc::ptr_eq(a, b));
     let instances = a.instances.len() == b.instances.len()
         && a.instances.iter().zip(&b.instances).all(|(a, b)| a.mesh == b.mesh && a.world_from_object == b.world_from_object);
@@ -33,7 +33,7 @@ mod tests {
     fn motion_of_camera_light_and_body_is_seen() {
         let scene = builtin::load("moving").unwrap();
         let at = |time: f32| Snapshot::new(&scene, Seconds(time));
-        assert!(none(&at(0.5), &at(0.5)));
+        assert!(nothing_moves(&at(0.5), &at(0.5)));
         let still = at(0.5);
         let moved = at(0.6);
         let faults: [fn(&mut Snapshot, &Snapshot); 3] =
@@ -41,7 +41,7 @@ mod tests {
         for fault in faults {
             let mut other = still.clone();
             fault(&mut other, &moved);
-            assert!(!none(&still, &other));
+            assert!(!nothing_moves(&still, &other));
         }
     }
 }

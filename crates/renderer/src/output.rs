@@ -33,6 +33,10 @@ pub struct FrameOutput {
     pub rays: u64,
     /// The same by technique, by id.
     pub technique_rays: Vec<(&'static str, u64)>,
+    /// Draws of the passes that the camera looks through.
+    pub draws: u32,
+    /// Draws left out of them because the camera cannot see them.
+    pub culled_draws: u32,
     /// Pixels lit, each counted once for each group of lights.
     pub shaded_pixels: u32,
     /// What the technique of the role direct visibility counted, light by light.

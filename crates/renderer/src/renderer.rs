@@ -5,6 +5,7 @@ use crate::output::FrameOutput;
 use crate::passes::{
     Setup, background::Background, direct::Direct, forward::Forward, gbuffer::GBuffer, gbuffer::TARGETS, picture::Picture,
 };
+use crate::placement::Boxes;
 use crate::settings::{Choice, FrameSettings, RendererSettings, RoleSelection};
 use crate::upload::geometry::Geometry;
 use crate::upload::lights::Lights;
@@ -12,7 +13,7 @@ use crate::upload::materials;
 use crate::upload::tables::ModelTables;
 use crate::upload::textures::Textures;
 use crate::upload::trace::TraceScene;
-use crate::{Error, ignored, motion, read};
+use crate::{Error, ignored, nothing_moves, read};
 use glam::{Mat4, UVec2, Vec3};
 use kajo_bsdf::models::ModelEntry;
 use kajo_image::Image;
@@ -22,7 +23,7 @@ use kajo_sampling::halton_2d;
 use kajo_scene::{Environment, Ignored, PlacedCamera, Scene, Snapshot};
 use kajo_shader_lib::BSDF_TABLES;
 use kajo_techniques::shaders::Variant;
-use kajo_techniques::{Coverage, Effect, FrameContext, MakeContext, Role, TraceBackend, View};
+use kajo_techniques::{Effect, FrameContext, MakeContext, Role, TraceBackend, View};
 use kajo_units::LinearRgb;
 
 /// A scene on the device, ready to be rendered.
@@ -35,7 +36,7 @@ pub struct Renderer {
     models: Vec<&'static ModelEntry>,
     current: Snapshot,
     previous: Snapshot,
-    bounds: [Vec3; 2],
+    boxes: Boxes,
     geometry: Geometry,
     textures: Textures,
     materials: Buffer,
@@ -124,7 +125,7 @@ impl Renderer {
             settings,
             backend,
             models: models.clone(),
-            bounds: bounds(snapshot),
+            boxes: Boxes::new(snapshot),
             materials: device.buffer_with("materials", &materials::pack_all(scene, &model_tables), BufferUsages::STORAGE)?,
             watched: (0..lights.list.len()).collect(),
             lights,
@@ -169,8 +170,8 @@ impl Renderer {
         self.lights = Lights::new(&self.device, &self.scene, current, Some(&self.lights))?;
         let count = self.lights.list.len();
         self.watched = if all { (0..count).collect() } else { self.watched.iter().copied().filter(|&light| light < count).collect() };
-        self.bounds = bounds(current);
-        self.still = motion::none(&self.current, current) && motion::none(current, previous);
+        self.boxes = Boxes::new(current);
+        self.still = nothing_moves(&self.current, current) && nothing_moves(current, previous);
         self.last_index = None;
         self.current = current.clone();
         self.previous = previous.clone();
@@ -330,9 +331,10 @@ impl Renderer {
         let (mut statistics, mut debug) = (Vec::new(), Vec::new());
         let mut timings = Timings::default();
 
+        let seen = if settings.culling { self.boxes.seen(&self.current, view) } else { vec![true; self.geometry.draws.len()] };
         let first = self.context(view, settings, 0, 0);
         let mut graph = Graph::new();
-        self.gbuffer.record(&first, &mut graph);
+        self.gbuffer.record(&first, &seen, &mut graph);
         self.background.record(&first, &mut graph);
         Direct::record_clear(&mut graph);
         timings.merge(&graph.execute(&device, &mut pool)?);
@@ -374,13 +376,13 @@ impl Renderer {
             let frame = self.context(view, settings, 0, 0);
             let mut graph = Graph::new();
             graph.import(&made_first());
-            forward.record_opaque(&frame, &mut graph);
+            forward.record_opaque(&frame, &seen, &mut graph);
             timings.merge(&graph.execute(&device, &mut pool)?);
         }
 
         let last = FrameContext { device: &tone.device, ..self.context(view, settings, 0, 0) };
         let resolving = FrameContext { device: &anti_alias.device, ..self.context(view, settings, 0, 0) };
-        let order = self.far_to_near(view);
+        let order = self.boxes.far_to_near(&self.current, &self.geometry.draws, &seen, view);
         anti_alias.effect.prepare(&resolving)?;
         tone.effect.prepare(&last)?;
         let mut graph = Graph::new();
@@ -412,6 +414,8 @@ impl Renderer {
             ],
             rays: rays.iter().sum(),
             technique_rays: vec![(shadow.choice.technique.id, rays[0]), (ambient.choice.technique.id, rays[1])],
+            draws: seen.iter().filter(|seen| **seen).count() as u32,
+            culled_draws: seen.iter().filter(|seen| !**seen).count() as u32,
             shaded_pixels: if self.lights.list.is_empty() { 0 } else { self.direct.shaded(&device)? },
             statistics,
             debug,
@@ -443,7 +447,7 @@ impl Renderer {
     fn view_of(&self, snapshot: &Snapshot) -> View {
         let camera = &snapshot.cameras[self.settings.camera.min(snapshot.cameras.len() - 1)];
         let eye = camera.world_from_view.w_axis.truncate();
-        let [low, high] = self.bounds;
+        let [low, high] = self.boxes.world;
         let far = (low - eye).abs().max((high - eye).abs()).length() * 1.001;
         View::new(camera, self.settings.size, far)
     }
@@ -499,31 +503,12 @@ impl Renderer {
             indices: &self.geometry.indices.wgpu,
             scene: &self.scene,
             snapshot: &self.current,
-            bounds: self.bounds,
+            bounds: self.boxes.world,
             ambient_distance: settings.ambient_distance,
             debug: settings.debug,
             exposure: settings.exposure.or(self.scene.exposure).unwrap_or(0.0),
             shared: self.trace.bind(self.textures.bind(self.lights.bind(shared))),
         }
-    }
-
-    /// Blended draws, farthest first, by the distance of the middle of their boxes.
-    fn far_to_near(&self, view: &View) -> Vec<usize> {
-        let mut blended: Vec<(usize, f32)> = self
-            .geometry
-            .draws
-            .iter()
-            .enumerate()
-            .filter(|(_, draw)| draw.coverage == Coverage::Blend)
-            .map(|(index, _)| {
-                let instance = &self.current.instances[index];
-                let [low, high] = box_of(&self.current.meshes[instance.mesh].positions);
-                let middle = instance.world_from_object.transform_point3(0.5 * (low + high));
-                (index, middle.distance_squared(view.position))
-            })
-            .collect();
-        blended.sort_by(|a, b| b.1.total_cmp(&a.1));
-        blended.into_iter().map(|(index, _)| index).collect()
     }
 }
 
@@ -537,25 +522,4 @@ fn pool(settings: &RendererSettings, lights: usize) -> Pool {
 /// Inverted in double precision: an infinite far plane makes the numbers of the matrix uneven.
 fn inverse(m: Mat4) -> Mat4 {
     m.as_dmat4().inverse().as_mat4()
-}
-
-fn box_of(points: &[Vec3]) -> [Vec3; 2] {
-    points.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)])
-}
-
-/// Box around everything that is placed; a unit box where nothing is.
-fn bounds(snapshot: &Snapshot) -> [Vec3; 2] {
-    let mut all = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-    for instance in &snapshot.instances {
-        let [low, high] = box_of(&snapshot.meshes[instance.mesh].positions);
-        if !low.is_finite() || !high.is_finite() {
-            continue;
-        }
-        for corner in 0..8 {
-            let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
-            let world = instance.world_from_object.transform_point3(Vec3::new(pick(0), pick(1), pick(2)));
-            all = [all[0].min(world), all[1].max(world)];
-        }
-    }
-    if all[0].is_finite() && all[1].is_finite() { all } else { [Vec3::splat(-0.5), Vec3::splat(0.5)] }
 }

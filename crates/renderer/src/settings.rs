@@ -48,6 +48,8 @@ pub struct FrameSettings {
     pub debug: bool,
     /// Lights opaque surfaces as they are drawn, without shadows, instead of through the G-buffer: to check one way by the other.
     pub forward: bool,
+    /// Leaves out draws that the camera cannot see; they cast shadows and are met by rays all the same.
+    pub culling: bool,
 }
 
 impl Default for FrameSettings {
@@ -61,6 +63,7 @@ impl Default for FrameSettings {
             ambient: false,
             debug: false,
             forward: false,
+            culling: true,
         }
     }
 }

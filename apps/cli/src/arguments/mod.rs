@@ -273,6 +273,10 @@ pub struct Compare {
     /// Repeats with other seeds, which split the error into bias and noise
     #[arg(long, value_name = "N", default_value = "4", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
     pub repeat: u32,
+    /// Frames of each moving sequence (camera, light and a thing move, or the scene's animation plays): flicker, lag and ghosts. Each frame needs a reference of its
+    /// own, so none are rendered unless asked for; 8 is enough for most scenes
+    #[arg(long, value_name = "N", default_value = "0", allow_negative_numbers = true, value_parser = whole(0..=1000u32))]
+    pub temporal: u32,
     /// Recommend the lowest error below this cost
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = positive)]
     pub budget_ms: Option<f64>,

@@ -42,6 +42,7 @@ fn options(arguments: &Compare) -> CompareOptions {
         },
         frames: arguments.frames,
         repeat: arguments.repeat,
+        temporal: arguments.temporal,
         budget_ms: arguments.budget_ms,
         camera: arguments.view.camera.clone(),
         look: view::look(&arguments.view),

@@ -65,6 +65,7 @@ pub fn how_it_was_measured(report: &Report) -> Markup {
                         _ => "as given in each section",
                     }
                 } }
+                @if s.temporal > 0 { div { dt { "moving sequences" } dd { (s.temporal) " frames each" } } }
                 div { dt { "made" } dd { (report.created) " with Kajo " (report.kajo) } }
             }
             (definitions())
@@ -86,6 +87,11 @@ fn definitions() -> Markup {
                 div { dt { "FLIP" } dd { "Andersson 2020; HDR-FLIP 2021: the largest over all exposures. 67 pixels per degree." } }
                 div { dt { "off border" } dd { "Share of pixels on the wrong side of one half, farther than 1 px from a shadow border or penumbra of the reference." } }
                 div { dt { "border px" } dd { "Mean distance of the half-light contours, the larger of both directions." } }
+                div { dt { "flicker, ghost, lag" } dd {
+                    "On sequences in which the camera, a light or a thing moves, or the animation of the scene plays. Flicker: change of pixels from frame to frame, along the motion of "
+                    "surfaces, beyond what the reference changes; without sequences, of a still view. Ghost: share of the frame before in the picture where the reference has changed, by least squares. "
+                    "Lag: frames that are short of 95 % of the way after a light has jumped."
+                } }
                 div { dt { "composed, approx." } dd {
                     "The picture made with the technique, against the path tracer's image of all the same light; "
                     "and against the part of that light that the real-time renderer simulates at all (every light but the environment and unlit surfaces)."

@@ -7,6 +7,7 @@ mod cards;
 mod chart;
 mod format;
 mod method;
+mod motion;
 mod table;
 mod viewer;
 
@@ -113,6 +114,8 @@ fn section(report: &Report, pictures: &Pictures, index: usize) -> Markup {
             (table::runs(report, decision, &runs, index))
             (viewer::pictures(report, pictures, decision, &runs, index))
             (table::lights(report, &runs))
+            (motion::sequences(report, &runs))
+            (motion::counts(report, &runs))
         }
     }
 }

@@ -17,7 +17,7 @@ const fn column(heading: &'static str, help: &'static str, value: fn(&Run) -> Op
     Column { heading, help, value, text }
 }
 
-const COLUMNS: [Column; 19] = [
+const COLUMNS: [Column; 22] = [
     column("GPU ms", "median time of the technique's passes on the device", |r| r.cost.as_ref()?.gpu_ms, short),
     column("p95", "95th percentile of the same, ms", |r| r.cost.as_ref()?.gpu_ms_p95, short),
     column("RMSE", "root mean square error against the reference", |r| Some(r.error.as_ref()?.image.rmse), short),
@@ -39,6 +39,9 @@ const COLUMNS: [Column; 19] = [
         |r| r.error.as_ref()?.composed.as_ref()?.approximation_rmse,
         short,
     ),
+    column("flicker", "change from frame to frame beyond that of the reference", |r| r.temporal.flicker, short),
+    column("lag", "frames that are short of 95 % of the way after a light has jumped", |r| r.temporal.lag, short),
+    column("ghost", "share of the frame before that is still in the picture, where that has changed", |r| r.temporal.ghost, share),
     column("frame ms", "median wall-clock time of a whole frame", |r| Some(r.cost.as_ref()?.cpu_ms), short),
     column("memory", "what the technique keeps on the device", |r| Some(r.cost.as_ref()?.memory_bytes as f64), |v| bytes(v as u64)),
     column("rays", "rays traced in a frame", rays, |v| count(v as u64)),

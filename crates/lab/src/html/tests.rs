@@ -89,6 +89,9 @@ fn everything_that_was_asked_for_is_on_the_page() {
         "resolution=512",
         "budget 2 ms",
         "software adapter",
+        "Behaviour over time",
+        "8 frames behind",
+        "What techniques count",
     ];
     for text in said {
         assert!(html.contains(text), "{text}");

@@ -5,7 +5,7 @@ use super::Report;
 /// RFC 4180, header first, empty cells for what was not measured.
 pub fn to_csv(report: &Report) -> String {
     const HEADER: &str = "scene,role,technique,params,status,recommended,pareto,rmse,rmse_floor,distinguishable,rel_mse,psnr,ssim,flip,\
-                          mean_ratio,bias,noise,off_border_mismatch,border_px,gpu_ms,gpu_ms_p95,cpu_ms,memory_bytes,rays";
+                          mean_ratio,bias,noise,off_border_mismatch,border_px,gpu_ms,gpu_ms_p95,cpu_ms,memory_bytes,rays,flicker,lag,ghost";
     let mut out = format!("{HEADER}\n");
     for (index, run) in report.runs.iter().enumerate() {
         let decision = report.decisions.iter().find(|d| d.scene == run.scene && d.role == run.role);
@@ -37,6 +37,9 @@ pub fn to_csv(report: &Report) -> String {
             cell(cost.map(|c| c.cpu_ms)),
             cell(cost.map(|c| c.memory_bytes)),
             cell(cost.map(|c| c.rays)),
+            cell(run.temporal.flicker),
+            cell(run.temporal.lag),
+            cell(run.temporal.ghost),
         ];
         out += &(cells.map(|c| quoted(&c)).join(",") + "\n");
     }

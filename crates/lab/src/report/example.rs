@@ -54,14 +54,23 @@ fn run(scene: &str, technique: &str, changed: &[(&str, serde_json::Value)], rmse
                 not_simulated_rmse: Some(0.01),
             }),
         }),
-        temporal: Temporal { flicker: Some(rmse * 0.01), lag: None, ghost: None },
+        temporal: Temporal {
+            flicker: Some(rmse * 0.01),
+            lag: Some(if changed.is_empty() { 0.0 } else { 8.0 }),
+            ghost: Some(rmse * 0.1),
+            still_flicker: Some(rmse * 0.02),
+            sequences: ["camera", "light", "object"]
+                .map(|motion| SequenceError { motion: motion.into(), flicker: Some(rmse * 0.01), ghost: Some(rmse * 0.1), rmse })
+                .to_vec(),
+            response: (1..if changed.is_empty() { 2 } else { 10 }).map(|frame| 1.0 - 0.7f64.powi(frame)).collect(),
+        },
         cost: Some(Cost {
             gpu_ms: Some(ms),
             gpu_ms_p95: Some(ms * 1.2),
             cpu_ms: ms * 1.6,
             memory_bytes: 16 << 20,
             rays: 0,
-            statistics: BTreeMap::new(),
+            statistics: BTreeMap::from([("polygons".to_owned(), vec![420])]),
         }),
         failures: BTreeMap::new(),
         images: BTreeMap::new(),
@@ -136,6 +145,7 @@ pub fn report() -> Report {
             reference_spp: Some(1024),
             reference_noise: None,
             time: 0.0,
+            temporal: 8,
         },
         references,
         runs,

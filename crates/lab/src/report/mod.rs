@@ -99,6 +99,7 @@ pub struct Settings {
     pub reference_spp: Option<u32>,
     pub reference_noise: Option<f32>,
     pub time: f64,
+    pub temporal: u32,
 }
 
 /// The path-traced judge of one role.
@@ -251,12 +252,34 @@ pub struct ComposedError {
 /// Behaviour over time; `null` is not measured.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Temporal {
-    /// Mean |difference| of neighbouring frames of a still view, in the unit of the role.
+    /// Mean |difference| of neighbouring frames, in the unit of the role: on moving sequences with motion taken out, and beyond what the reference changes, averaged over
+    /// them; of a still view where none were rendered.
     pub flicker: Option<f64>,
-    /// Needs a moving sequence.
+    /// Frames that are short of 95 % of the way after a light has jumped: 0 for techniques that keep nothing. Needs moving sequences.
     pub lag: Option<f64>,
-    /// Needs a moving sequence.
+    /// Share of the frame before in the picture, where that has changed, averaged over the sequences. Needs moving sequences.
     pub ghost: Option<f64>,
+    /// Mean |difference| of neighbouring takes of a still view, in the unit of the role.
+    pub still_flicker: Option<f64>,
+    /// One entry a moving sequence.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sequences: Vec<SequenceError>,
+    /// The way towards the new picture, frame by frame after a light has jumped, until it has been followed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub response: Vec<f64>,
+}
+
+/// Behaviour on one moving sequence.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SequenceError {
+    /// What moves: `camera`, `light`, `object`, or `animation` where the scene has its own.
+    pub motion: String,
+    /// See [`Temporal::flicker`]. `null` where no surface was seen twice.
+    pub flicker: Option<f64>,
+    /// See [`Temporal::ghost`]. `null` where the reference does not change.
+    pub ghost: Option<f64>,
+    /// Against the reference, over all frames.
+    pub rmse: f64,
 }
 
 /// Cost of a frame.

@@ -51,10 +51,11 @@ impl Forward {
     }
 
     /// Lights every visible opaque surface again, in place of the deferred light; shows nothing but what the G-buffer's pass saw.
-    pub fn record_opaque<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>) {
+    /// `seen`: for each instance, whether it is drawn.
+    pub fn record_opaque<'a>(&'a self, frame: &'a FrameContext<'a>, seen: &'a [bool], graph: &mut Graph<'a>) {
         graph.pass(Access::new("forward/opaque").reads(&[slot::DEPTH]).updates(&[slot::DIRECT]), move |pass| {
-            let all = |draw: usize| frame.draws[draw].coverage == Coverage::Opaque;
-            let draws: Vec<usize> = (0..frame.draws.len()).filter(|&draw| all(draw)).collect();
+            let wanted = |draw: usize| frame.draws[draw].coverage == Coverage::Opaque && seen[draw];
+            let draws: Vec<usize> = (0..frame.draws.len()).filter(|&draw| wanted(draw)).collect();
             self.draw(frame, pass, (&self.opaque, &self.opaque_params), slot::DIRECT, &draws)
         });
     }

@@ -2,7 +2,7 @@
 
 use super::{Setup, TRIANGLES, attachment, depth_state};
 use kajo_render_graph::{Access, Bindings, Error, Graph, PipelineOptions, RenderPipeline, RenderState, Slot, slot, wgpu};
-use kajo_techniques::{Coverage, FrameContext};
+use kajo_techniques::{Coverage, Draw, FrameContext};
 
 /// Slots it makes, in the order of the shader's outputs.
 pub(crate) const TARGETS: [Slot; 7] =
@@ -30,7 +30,8 @@ impl GBuffer {
         Ok(Self { opaque: pipeline("opaque")?, masked: pipeline("masked")? })
     }
 
-    pub fn record<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>) {
+    /// `seen`: for each instance, whether it is drawn.
+    pub fn record<'a>(&'a self, frame: &'a FrameContext<'a>, seen: &'a [bool], graph: &mut Graph<'a>) {
         graph.pass(Access::new("gbuffer").writes(&TARGETS).writes(&[slot::DEPTH]), move |pass| {
             let depth = pass.view(slot::DEPTH)?;
             let views = TARGETS.iter().map(|slot| pass.view(*slot)).collect::<Result<Vec<_>, _>>()?;
@@ -46,9 +47,10 @@ impl GBuffer {
                 ..Default::default()
             });
             for (pipeline, coverage) in [(&self.opaque, Coverage::Opaque), (&self.masked, Coverage::Mask)] {
-                if frame.draws.iter().any(|draw| draw.coverage == coverage) {
+                let wanted = |draw: &Draw| draw.coverage == coverage && seen[draw.instance as usize];
+                if frame.draws.iter().any(wanted) {
                     pipeline.set(pass.device, &mut render, &frame.shared, &Bindings::new())?;
-                    frame.draw(&mut render, |draw| draw.coverage == coverage);
+                    frame.draw(&mut render, wanted);
                 }
             }
             Ok(())

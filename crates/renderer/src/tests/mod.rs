@@ -4,6 +4,7 @@ mod accumulation;
 mod ambient;
 mod anti_alias;
 mod changes;
+mod culling;
 mod display;
 mod emissive;
 mod gbuffer;

@@ -26,22 +26,22 @@ const ROOT: &str = "
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct Query {
-    origin: [f32; 3],
-    t_max: f32,
-    direction: [f32; 3],
-    padding: f32,
+pub struct Query {
+    pub origin: [f32; 3],
+    pub t_max: f32,
+    pub direction: [f32; 3],
+    pub padding: f32,
 }
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-struct Answer {
+pub struct Answer {
     t: f32,
     u: f32,
     v: f32,
     primitive: u32,
-    instance: u32,
-    found: u32,
+    pub instance: u32,
+    pub found: u32,
     any: u32,
     padding: u32,
 }
@@ -64,7 +64,7 @@ fn random_rays(bounds: [Vec3; 2], count: usize) -> Vec<Query> {
         .collect()
 }
 
-fn on_device(device: &Device, scene: &Scene, backend: TraceBackend, queries: &[Query]) -> Vec<Answer> {
+pub fn on_device(device: &Device, scene: &Scene, backend: TraceBackend, queries: &[Query]) -> Vec<Answer> {
     let mut renderer = renderer(device, scene, UVec2::splat(8), Some(backend));
     // A frame uploads the instances that masks are looked up by.
     renderer.render(&RoleSelection::new(), &FrameSettings::default()).unwrap();

@@ -165,6 +165,8 @@ fn stats(device: &Device, renderer: &Renderer, roles: &RoleSelection, frame: &Fr
         "passes": frame.timings.passes.iter().map(|(name, ms)| json!({ "name": name, "ms": ms })).collect::<Vec<_>>(),
         "timed_on_device": frame.timings.on_device,
         "memory_bytes": frame.memory_bytes,
+        "draws": frame.draws,
+        "culled_draws": frame.culled_draws,
         "statistics": frame.statistics.iter().map(|s| json!({ "name": s.name, "light": lights[s.light as usize], "value": s.value })).collect::<Vec<_>>(),
         "adapter": device.info().name,
         "driver": device.info().driver,

@@ -1,0 +1,81 @@
+//! Flicker, ghost and progress, from images alone.
+
+use super::track::{Track, at};
+use kajo_image::Image;
+use kajo_units::LinearRgb;
+
+/// Mean over channels.
+fn mean_of(v: LinearRgb) -> f64 {
+    f64::from(v.0.element_sum()) / 3.0
+}
+
+/// Mean over pixels and channels of (a − b)².
+pub fn mean_square(a: &Image<LinearRgb>, b: &Image<LinearRgb>) -> f64 {
+    let sum: f64 = a.pixels().iter().zip(b.pixels()).map(|(a, b)| mean_of((*a - *b) * (*a - *b))).sum();
+    sum / a.pixels().len() as f64
+}
+
+/// Change from frame to frame beyond that of the references: see the module above. `tracks` has one entry less than the images, which may be several of its size
+/// below each other. `None` without a pixel that was seen twice.
+pub fn flicker(images: &[Image<LinearRgb>], references: &[Image<LinearRgb>], tracks: &[Track]) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0u64);
+    for (t, track) in tracks.iter().enumerate() {
+        let (now, before) = (&images[t + 1], &images[t]);
+        let (reference, reference_before) = (&references[t + 1], &references[t]);
+        let parts = now.height() / track.height();
+        for part in 0..parts {
+            let top = part * track.height();
+            for (x, y) in (0..track.height()).flat_map(|y| (0..track.width()).map(move |x| (x, y))) {
+                let Some(then) = *track.get(x, y) else { continue };
+                let change = |now: &Image<LinearRgb>, before: &Image<LinearRgb>| {
+                    mean_of(LinearRgb((*now.get(x, y + top) - at(before, then, top, track.size())).0.abs()))
+                };
+                sum += (change(now, before) - change(reference, reference_before)).max(0.0);
+                count += 1;
+            }
+        }
+    }
+    (count > 0).then(|| sum / count as f64)
+}
+
+/// Smallest share of the references' brightness by which a pixel must change to count.
+const CHANGED: f64 = 1e-4;
+
+/// Share of the frame before that is in the picture, where the reference has changed: see the module above. `variances` of the references take out what their noise
+/// adds to both sums. 0 for what is negative; `None` where nothing changes.
+pub fn ghost(images: &[Image<LinearRgb>], references: &[Image<LinearRgb>], variances: Option<&[Image<LinearRgb>]>) -> Option<f64> {
+    let (mut product, mut square) = (0.0, 0.0);
+    let count = references.iter().map(|r| r.pixels().len()).sum::<usize>().max(1) as f64;
+    let bright = references.iter().flat_map(|r| r.pixels()).map(|p| mean_of(*p)).sum::<f64>() / count;
+    for t in 1..images.len() {
+        for i in 0..images[t].pixels().len() {
+            let (now, past) = (references[t].pixels()[i], references[t - 1].pixels()[i]);
+            let change = past - now;
+            if mean_of(LinearRgb(change.0.abs())) <= CHANGED * bright {
+                continue;
+            }
+            let noise = |t: usize| variances.map_or(0.0, |v| mean_of(v[t].pixels()[i]).max(0.0));
+            product += mean_of((images[t].pixels()[i] - now) * change) - noise(t);
+            square += mean_of(change * change) - noise(t) - noise(t - 1);
+        }
+    }
+    (square > 0.0).then(|| (product / square).max(0.0))
+}
+
+/// How far a picture has come from one state to another, by projection on the way between them:
+///
+///     r = ⟨I − A', B − A⟩ / ⟨B' − A', B − A⟩
+///
+/// A and A', B and B' are two pictures each of the states, with noise of their own, so that none of it adds up. `None` where the states do not differ.
+pub fn progress(image: &Image<LinearRgb>, [a, a2]: &[Image<LinearRgb>; 2], [b, b2]: &[Image<LinearRgb>; 2]) -> Option<f64> {
+    let (mut way, mut whole, mut size) = (0.0, 0.0, 0.0);
+    for i in 0..image.pixels().len() {
+        let [image, a, a2, b, b2] = [image, a, a2, b, b2].map(|picture| picture.pixels()[i]);
+        let direction = b - a;
+        way += mean_of((image - a2) * direction);
+        whole += mean_of((b2 - a2) * direction);
+        size += mean_of(direction * direction);
+    }
+    // Pictures that differ by noise alone point nowhere.
+    (whole > 0.05 * size && whole > 0.0).then(|| way / whole)
+}

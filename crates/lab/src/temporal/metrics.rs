@@ -41,25 +41,30 @@ pub fn flicker(images: &[Image<LinearRgb>], references: &[Image<LinearRgb>], tra
 /// Smallest share of the references' brightness by which a pixel must change to count.
 const CHANGED: f64 = 1e-4;
 
-/// Share of the frame before that is in the picture, where the reference has changed: see the module above. `variances` of the references take out what their noise
-/// adds to both sums. 0 for what is negative; `None` where nothing changes.
+/// Standard deviations of the references' noise by which a pixel must change to count.
+const SIGMAS: f64 = 3.0;
+
+/// Share of the frame before that is in the picture, where the reference changes: see the module above. What errors have in common with the frame before and with the frame after
+/// alike is no memory, and cancels. The noise of the references is in the divisor alone, where their `variances` take it out. 0 for what is negative; `None` where nothing
+/// changes, or without three frames.
 pub fn ghost(images: &[Image<LinearRgb>], references: &[Image<LinearRgb>], variances: Option<&[Image<LinearRgb>]>) -> Option<f64> {
     let (mut product, mut square) = (0.0, 0.0);
     let count = references.iter().map(|r| r.pixels().len()).sum::<usize>().max(1) as f64;
     let bright = references.iter().flat_map(|r| r.pixels()).map(|p| mean_of(*p)).sum::<f64>() / count;
-    for t in 1..images.len() {
+    for t in 1..images.len().max(1) - 1 {
         for i in 0..images[t].pixels().len() {
-            let (now, past) = (references[t].pixels()[i], references[t - 1].pixels()[i]);
-            let change = past - now;
-            if mean_of(LinearRgb(change.0.abs())) <= CHANGED * bright {
-                continue;
-            }
+            let [past, now, next] = [t - 1, t, t + 1].map(|t| references[t].pixels()[i]);
+            let change = past - next;
+            let size = mean_of(change * change);
             let noise = |t: usize| variances.map_or(0.0, |v| mean_of(v[t].pixels()[i]).max(0.0));
-            product += mean_of((images[t].pixels()[i] - now) * change) - noise(t);
-            square += mean_of(change * change) - noise(t) - noise(t - 1);
+            let noise = noise(t - 1) + noise(t + 1);
+            if size.sqrt() > CHANGED * bright && size > SIGMAS * SIGMAS * noise {
+                product += mean_of((images[t].pixels()[i] - now) * change);
+                square += size - noise;
+            }
         }
     }
-    (square > 0.0).then(|| (product / square).max(0.0))
+    (square > 0.0).then(|| (2.0 * product / square).max(0.0))
 }
 
 /// How far a picture has come from one state to another, by projection on the way between them:

@@ -4,12 +4,12 @@
 //! many frames at rest as its history is long. Where a surface point of pixel p was one frame ago, p', is told by the G-buffer ([`track`]).
 //!
 //!     flicker  F = mean over t, p of max(0, |I_t(p) − I_{t−1}(p')| − |R_t(p) − R_{t−1}(p')|)
-//!     ghost    g = Σ (I_t − R_t)(R_{t−1} − R_t) / Σ (R_{t−1} − R_t)²
+//!     ghost    g = 2 Σ (I_t − R_t)(R_{t−1} − R_{t+1}) / Σ (R_{t−1} − R_{t+1})²
 //!     lag      the number of frames that are short of 95 % of the way after a light has jumped
 //!
-//! F, in the unit of the role, is the change from frame to frame, motion taken out, beyond what the reference changes. g is the share of the frame before in the
-//! picture, where that has changed: 0 for a technique that forgets at once, 0.9 for a blend of a tenth. Both compare with the path tracer; errors that do not depend on
-//! what was there before add to neither. Lag needs no reference: the way is measured between the technique's own settled pictures, see [`metrics::progress`].
+//! F, in the unit of the role (of light: of the display), is the change from frame to frame, motion taken out, beyond what the reference changes. g is the share of the frame before in the
+//! picture, where that changes: 1 for a picture that is one frame late, 1 − α for a blend of α, 0 for a technique that forgets at once, however wrong it is: its errors are as near to the
+//! frame after as to the frame before. Both compare with the path tracer. Light is taken as a display would show it, so that no highlight outweighs the picture. Lag needs no reference: the way is measured between the technique's own settled pictures, see [`metrics::progress`].
 //!
 //! Images have at most [`LONGEST_SIDE`] px a side: a reference for each frame would else take longer than all the rest of a comparison.
 
@@ -17,15 +17,15 @@ mod metrics;
 mod motions;
 mod track;
 
-use crate::judge::{Judge, Take};
+use crate::judge::{Judge, Kind, Take};
 use crate::measure::{Seen, take};
 use crate::plan::Choice;
 use crate::reference::{judged_lights, references};
 use crate::report::{SequenceError, Temporal};
 use crate::subject::Subject;
 use crate::{CompareOptions, LabError, Progress, ReferenceStop};
-use glam::UVec2;
-use kajo_image::Image;
+use glam::{UVec2, Vec3};
+use kajo_image::{Image, auto_exposure};
 use kajo_path_tracer::Tracer;
 use kajo_render_graph::Device;
 use kajo_renderer::{Error, FrameSettings, Renderer, RendererSettings, RoleSelection};
@@ -161,9 +161,15 @@ impl Sequences {
         for (frame, (snapshot, judge)) in snapshots.iter().zip(judges).enumerate() {
             images.push(self.frame(role, selection, (snapshot, &snapshots[frame.max(1) - 1]), judge)?);
         }
-        let references: Vec<Image<LinearRgb>> = judges.iter().map(|judge| judge.stacked()).collect();
-        let variances: Option<Vec<_>> = judges.iter().map(|judge| judge.stacked_variance()).collect();
+        let mut references: Vec<Image<LinearRgb>> = judges.iter().map(|judge| judge.stacked()).collect();
+        let mut variances: Option<Vec<_>> = judges.iter().map(|judge| judge.stacked_variance()).collect();
         let squares: f64 = images.iter().zip(&references).map(|(i, r)| metrics::mean_square(i, r)).sum();
+        if judges[0].kind == Kind::Light {
+            let scale = auto_exposure(&references[0]).exp2();
+            let shown = |image: &mut Image<LinearRgb>| *image = image.map(|c| LinearRgb((c.0 * scale).clamp(Vec3::ZERO, Vec3::ONE)));
+            images.iter_mut().chain(&mut references).for_each(shown);
+            variances.iter_mut().flatten().for_each(|v| *v = v.map(|c| *c * (scale * scale)));
+        }
         Ok(SequenceError {
             motion: sequence.motion.name.into(),
             flicker: flicker(&images, &references, &sequence.tracks),

@@ -263,8 +263,7 @@ impl Experiment<'_> {
             (_, Err(reason)) => Err(reason.clone()),
             (None, Ok(renderer)) => {
                 let seeds = (self.options.seed, self.options.frames, self.options.repeat);
-                measure(renderer, role, choice, seeds, Seen { ambient_distance: subject.ambient_distance })
-                    .map_err(|e| e.to_string())
+                measure(renderer, role, choice, seeds, Seen { ambient_distance: subject.ambient_distance }).map_err(|e| e.to_string())
             }
         };
         // An image that cannot be judged (NaN in it) is a fault of the technique: it is shown, and the others go on.

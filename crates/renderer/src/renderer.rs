@@ -13,7 +13,7 @@ use crate::upload::materials;
 use crate::upload::tables::ModelTables;
 use crate::upload::textures::Textures;
 use crate::upload::trace::TraceScene;
-use crate::{Error, ignored, nothing_moves, read};
+use crate::{Error, ignored, motion, nothing_moves, read};
 use glam::{Mat4, UVec2, Vec3};
 use kajo_bsdf::models::ModelEntry;
 use kajo_image::Image;

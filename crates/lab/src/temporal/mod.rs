@@ -17,7 +17,7 @@ mod metrics;
 mod motions;
 mod track;
 
-use crate::judge::{Judge, Kind, Take};
+use crate::judge::{Judge, Kind};
 use crate::measure::{Seen, take};
 use crate::plan::Choice;
 use crate::reference::{judged_lights, references};
@@ -216,8 +216,7 @@ impl Sequences {
         self.renderer.set_snapshot(now, before)?;
         let settings = FrameSettings { index: self.next, ..self.seen.settings(role) };
         self.next = self.next.wrapping_add(1);
-        let taken: Take = take(role, judge, self.renderer.render(selection, &settings)?);
-        Ok(judge.stacked_take(&taken))
+        Ok(judge.stacked_take(&take(role, &self.renderer.render(selection, &settings)?)))
     }
 }
 

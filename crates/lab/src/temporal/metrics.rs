@@ -51,15 +51,16 @@ pub fn ghost(images: &[Image<LinearRgb>], references: &[Image<LinearRgb>], varia
     let (mut product, mut square) = (0.0, 0.0);
     let count = references.iter().map(|r| r.pixels().len()).sum::<usize>().max(1) as f64;
     let bright = references.iter().flat_map(|r| r.pixels()).map(|p| mean_of(*p)).sum::<f64>() / count;
-    for t in 1..images.len().max(1) - 1 {
-        for i in 0..images[t].pixels().len() {
+    let last = images.len().saturating_sub(1);
+    for (t, image) in images.iter().enumerate().filter(|(t, _)| (1..last).contains(t)) {
+        for (i, pixel) in image.pixels().iter().enumerate() {
             let [past, now, next] = [t - 1, t, t + 1].map(|t| references[t].pixels()[i]);
             let change = past - next;
             let size = mean_of(change * change);
             let noise = |t: usize| variances.map_or(0.0, |v| mean_of(v[t].pixels()[i]).max(0.0));
             let noise = noise(t - 1) + noise(t + 1);
             if size.sqrt() > CHANGED * bright && size > SIGMAS * SIGMAS * noise {
-                product += mean_of((images[t].pixels()[i] - now) * change);
+                product += mean_of((*pixel - now) * change);
                 square += size - noise;
             }
         }

@@ -51,7 +51,7 @@ fn statistics_have_the_keys_of_the_contract() {
 fn light_sampling_alone_takes_four_rays_for_two_bounces() {
     let folder = tempfile::tempdir().unwrap();
     let rays = |strategy: &str| {
-        let words = ["--spp", "8", "--max-depth", "2", "--strategy", strategy, "-o", "a.exr", "--json"];
+        let words = ["--spp", "8", "--max-depth", "2", "--strategy", strategy, "-o", "a.exr"];
         json(folder.path(), &[&SMALL[..], &words].concat())["rays"].as_f64().unwrap() / (32.0 * 32.0 * 8.0)
     };
     let (lights, mis) = (rays("lights"), rays("mis"));

@@ -265,7 +265,7 @@ mod tests {
     /// `shift` plants a fault.
     fn differences(geometry: &Geometry, apart: &Tlas, shift: u32) -> f64 {
         let (mut rng, mut wrong) = (Rng::new(3), 0);
-        let is_there = |hit: &Hit| hit.primitive % 2 == 0;
+        let is_there = |hit: &Hit| hit.primitive.is_multiple_of(2);
         let ray = |rng: &mut Rng| {
             let mut point = |scale: f32| (Vec3::from_array([(); 3].map(|()| rng.next_1d())) - 0.5) * scale;
             let (from, to) = (point(6.0) + Vec3::Y * 2.0, point(2.5));

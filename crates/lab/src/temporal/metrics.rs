@@ -70,7 +70,9 @@ pub fn ghost(images: &[Image<LinearRgb>], references: &[Image<LinearRgb>], varia
 
 /// How far a picture has come from one state to another, by projection on the way between them:
 ///
-///     r = ⟨I − A', B − A⟩ / ⟨B' − A', B − A⟩
+/// ```text
+/// r = ⟨I − A', B − A⟩ / ⟨B' − A', B − A⟩
+/// ```
 ///
 /// A and A', B and B' are two pictures each of the states, with noise of their own, so that none of it adds up. `None` where the states do not differ.
 pub fn progress(image: &Image<LinearRgb>, [a, a2]: &[Image<LinearRgb>; 2], [b, b2]: &[Image<LinearRgb>; 2]) -> Option<f64> {

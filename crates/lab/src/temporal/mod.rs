@@ -3,9 +3,11 @@
 //! A sequence is a list of snapshots, 1/30 s apart ([`motions`]). The path tracer renders the role's image of each, R_t; the technique renders I_t in one go, after as
 //! many frames at rest as its history is long. Where a surface point of pixel p was one frame ago, p', is told by the G-buffer ([`track`]).
 //!
-//!     flicker  F = mean over t, p of max(0, |I_t(p) − I_{t−1}(p')| − |R_t(p) − R_{t−1}(p')|)
-//!     ghost    g = 2 Σ (I_t − R_t)(R_{t−1} − R_{t+1}) / Σ (R_{t−1} − R_{t+1})²
-//!     lag      the number of frames that are short of 95 % of the way after a light has jumped
+//! ```text
+//! flicker  F = mean over t, p of max(0, |I_t(p) − I_{t−1}(p')| − |R_t(p) − R_{t−1}(p')|)
+//! ghost    g = 2 Σ (I_t − R_t)(R_{t−1} − R_{t+1}) / Σ (R_{t−1} − R_{t+1})²
+//! lag      the number of frames that are short of 95 % of the way after a light has jumped
+//! ```
 //!
 //! F, in the unit of the role (of light: of the display), is the change from frame to frame, motion taken out, beyond what the reference changes. g is the share of the frame before in the
 //! picture, where that changes: 1 for a picture that is one frame late, 1 − α for a blend of α, 0 for a technique that forgets at once, however wrong it is: its errors are as near to the

@@ -184,7 +184,7 @@ fn mirrors_show_lights() {
         .light(LightShape::Disk { radius: Meters(5.0) }, 2.0, looking(Vec3::Z * 3.0, Vec3::ZERO))
         .orthographic(Vec3::Z * 2.0, Vec3::ZERO, 1.0)
         .0;
-    for (strategy, rays) in [(Strategy::Mis, 6), (Strategy::Lights, 4)] {
+    for strategy in [Strategy::Mis, Strategy::Lights] {
         let film = film_at(&scene, &Settings { strategy, max_depth: 1, ..sized(4, 4) }, 4);
         assert!((mean(&film.develop()) - 2.0).abs() < 1e-4, "{strategy:?}");
         assert_eq!(film.rays(), 2 * 4 * 4 + 2 * film.samples(), "two rays a pixel look for highlights");

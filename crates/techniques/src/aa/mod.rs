@@ -1,7 +1,7 @@
 //! Techniques of the role anti-alias: the mean of the picture over the area of each pixel.
 //!
 //! Each reads the linear picture ([`slot::COLOR`](kajo_render_graph::slot::COLOR)) and writes [`slot::RESOLVED`](kajo_render_graph::slot::RESOLVED). A technique that averages over
-//! frames says where each is to be sampled ([`Effect::jitter`](crate::Effect::jitter)) and keeps its own [`History`]; renderer, lab and viewer know of neither.
+//! frames says where each is to be sampled ([`Effect::jitter`](crate::Effect::jitter)) and keeps its own `History`; renderer, lab and viewer know of neither.
 
 pub mod accumulate;
 pub mod fxaa;

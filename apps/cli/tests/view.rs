@@ -43,6 +43,18 @@ fn a_step_that_fails_is_told_with_its_line_and_exit_code_1() {
     );
 }
 
+#[test]
+fn a_picture_of_nothing_is_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("cut.glb"), b"glTF\x02\0\0\0").unwrap();
+    for (words, says) in [(&["no.glb"][..], "no.glb"), (&["cut.glb"], "cut.glb"), (&[], "there is no scene to see")] {
+        let output = run(folder.path(), &[&["view", "--offscreen", "--frames", "1", "--screenshot", "a.png"], words].concat());
+        let said = stderr(&output);
+        assert!(output.status.code() == Some(1) && said.starts_with("error: ") && said.contains(says), "{said}");
+        assert!(said.lines().count() == 1 && !said.contains("line 0") && !folder.path().join("a.png").exists(), "{said}");
+    }
+}
+
 /// On systems where a window needs a display that can be taken away.
 #[test]
 #[cfg(target_os = "linux")]

@@ -111,6 +111,11 @@ impl App {
         wanted.is_some() && (there || self.model.frames_failed.is_some()) && self.frames.is_idle() && self.loader.is_idle()
     }
 
+    /// True when no scene is there and none will come.
+    pub fn is_empty(&self) -> bool {
+        self.loader.is_idle() && self.model.frame_question().is_none()
+    }
+
     /// Everything that the window tells.
     pub fn messages(&self) -> impl Iterator<Item = &str> {
         let model = &self.model;

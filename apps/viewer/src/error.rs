@@ -32,6 +32,12 @@ pub enum Error {
         /// What is wrong.
         reason: String,
     },
+    /// What the command line asks to see cannot be shown.
+    #[error("{reason}")]
+    Asked {
+        /// Why.
+        reason: String,
+    },
     /// A file cannot be read.
     #[error("cannot read {file}: {reason}")]
     Read {

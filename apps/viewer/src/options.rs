@@ -51,7 +51,7 @@ impl Options {
     /// A script that cannot be read.
     pub(crate) fn steps(&self) -> Result<Option<Steps>, Error> {
         let mut steps = Vec::new();
-        let mut name = "the command line".to_owned();
+        let mut name = String::new();
         if let Some(path) = &self.script {
             name = path.display().to_string();
             let text = std::fs::read_to_string(path).map_err(|reason| Error::Read { file: name.clone(), reason })?;

@@ -274,7 +274,7 @@ pub struct Compare {
     #[arg(long, value_name = "N", default_value = "4", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
     pub repeat: u32,
     /// Frames of each moving sequence (camera, light and a thing move, or the scene's animation plays): flicker, lag and ghosts. Each frame needs a reference of its
-    /// own, so none are rendered unless asked for; 8 is enough for most scenes
+    /// own, so none are rendered unless asked for; ghosts need 3, and 8 is enough for most scenes
     #[arg(long, value_name = "N", default_value = "0", allow_negative_numbers = true, value_parser = whole(0..=1000u32))]
     pub temporal: u32,
     /// Recommend the lowest error below this cost

@@ -65,7 +65,7 @@ impl Runner {
         while let Some((line, step)) = self.steps.get(self.at).cloned() {
             let since = *self.since.get_or_insert_with(Instant::now);
             let file = self.file.clone();
-            let failed = |reason: String| Error::Script { file, line, reason };
+            let failed = |reason: String| if line == 0 { Error::Asked { reason } } else { Error::Script { file, line, reason } };
             if since.elapsed() > PATIENCE {
                 return Err(failed(format!("it has not happened in {} s", PATIENCE.as_secs())));
             }
@@ -90,6 +90,7 @@ impl Runner {
             Step::Wait | Step::Picture if self.count < 2 => return self.once_more(false),
             Step::Wait if app.is_settled() => return paint,
             Step::Picture if app.has_picture() => return paint,
+            Step::Picture | Step::Spin(_) if app.is_empty() => return Err(why_empty(app)),
             Step::Wait | Step::Picture => return Ok((false, Some(Next::Sleep))),
             Step::Frames(count) => return self.once_more(self.count + 1 >= *count),
             Step::Spin(_) if !app.has_picture() => return Ok((false, Some(Next::Sleep))),
@@ -118,6 +119,11 @@ impl Runner {
         self.count += 1;
         Ok((done, Some(Next::Paint)))
     }
+}
+
+/// Why no picture can be waited for.
+fn why_empty(app: &App) -> String {
+    app.messages().last().unwrap_or("there is no scene to see; name one").to_owned()
 }
 
 /// Does to the model what a person's hand would.

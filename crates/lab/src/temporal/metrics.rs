@@ -74,16 +74,19 @@ pub fn ghost(images: &[Image<LinearRgb>], references: &[Image<LinearRgb>], varia
 /// r = ⟨I − A', B − A⟩ / ⟨B' − A', B − A⟩
 /// ```
 ///
-/// A and A', B and B' are two pictures each of the states, with noise of their own, so that none of it adds up. `None` where the states do not differ.
+/// A and A', B and B' are two pictures each of the states, with noise of their own, so that none of it adds up. `None` where the states do not differ by more
+/// than [`SIGMAS`] standard deviations of what noise alone makes of the denominator, which are told by its pixels.
 pub fn progress(image: &Image<LinearRgb>, [a, a2]: &[Image<LinearRgb>; 2], [b, b2]: &[Image<LinearRgb>; 2]) -> Option<f64> {
-    let (mut way, mut whole, mut size) = (0.0, 0.0, 0.0);
+    let (mut way, mut whole, mut size, mut spread) = (0.0, 0.0, 0.0, 0.0);
     for i in 0..image.pixels().len() {
         let [image, a, a2, b, b2] = [image, a, a2, b, b2].map(|picture| picture.pixels()[i]);
         let direction = b - a;
         way += mean_of((image - a2) * direction);
-        whole += mean_of((b2 - a2) * direction);
+        let product = mean_of((b2 - a2) * direction);
+        whole += product;
+        spread += product * product;
         size += mean_of(direction * direction);
     }
     // Pictures that differ by noise alone point nowhere.
-    (whole > 0.05 * size && whole > 0.0).then(|| way / whole)
+    (whole > 0.05 * size && whole > SIGMAS * spread.sqrt()).then(|| way / whole)
 }

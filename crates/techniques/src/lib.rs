@@ -5,6 +5,7 @@
 
 pub mod aa;
 pub mod ao;
+mod edge_avoiding;
 mod error;
 mod frame;
 mod insight;

@@ -3,9 +3,9 @@
 #[cfg(test)]
 mod tests;
 
-use super::filter::Filter;
 use super::screen::ScreenPass;
 use super::{READS, reach};
+use crate::edge_avoiding::{EdgeAvoiding, Filtered};
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
 use kajo_params::{ParamValues, Params};
 use kajo_render_graph::Graph;
@@ -53,7 +53,7 @@ struct GpuParams {
 struct Gtao {
     params: Params,
     look: ScreenPass,
-    filter: Filter,
+    filter: EdgeAvoiding,
 }
 
 impl Gtao {
@@ -62,7 +62,7 @@ impl Gtao {
         Ok(Self {
             params,
             look: ScreenPass::new(context, (TECHNIQUE.id, "ao/gtao/look"), include_str!("gtao.wesl"), size_of::<GpuParams>())?,
-            filter: Filter::new(context, TECHNIQUE.id, params.denoise, 2 * params.slices)?,
+            filter: EdgeAvoiding::new(context, TECHNIQUE.id, Filtered::Surroundings, [params.denoise, 2 * params.slices])?,
         })
     }
 }
@@ -71,6 +71,7 @@ impl Effect for Gtao {
     fn prepare(&mut self, frame: &FrameContext) -> Result<(), Error> {
         let Params { slices, steps, thickness, .. } = self.params;
         self.look.write(frame, &GpuParams { slices, steps, thickness, distance: reach(frame) });
+        self.filter.prepare(frame);
         Ok(())
     }
 

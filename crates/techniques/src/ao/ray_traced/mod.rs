@@ -5,8 +5,8 @@ mod tests;
 
 mod upsample;
 
-use super::filter::Filter;
 use super::{READS, reach};
+use crate::edge_avoiding::{EdgeAvoiding, Filtered};
 use crate::ray_count::RayCount;
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
 use kajo_params::{ParamChoice, ParamValues, Params};
@@ -79,7 +79,7 @@ struct RayTraced {
     uniform: Buffer,
     rays: RayCount,
     upsample: Option<Upsample>,
-    filter: Filter,
+    filter: EdgeAvoiding,
 }
 
 impl RayTraced {
@@ -94,7 +94,7 @@ impl RayTraced {
             uniform: device.buffer(TECHNIQUE.id, size_of::<GpuParams>() as u64, BufferUsages::UNIFORM | BufferUsages::COPY_DST)?,
             rays: RayCount::new(context, "ao/ray-traced rays")?,
             upsample: if params.resolution == Resolution::Half { Some(Upsample::new(context)?) } else { None },
-            filter: Filter::new(context, TECHNIQUE.id, params.denoise, params.samples)?,
+            filter: EdgeAvoiding::new(context, TECHNIQUE.id, Filtered::Surroundings, [params.denoise, params.samples])?,
         })
     }
 }
@@ -111,6 +111,7 @@ impl Effect for RayTraced {
         if let Some(upsample) = &mut self.upsample {
             upsample.prepare(frame);
         }
+        self.filter.prepare(frame);
         Ok(())
     }
 

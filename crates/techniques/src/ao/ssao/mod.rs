@@ -3,9 +3,9 @@
 #[cfg(test)]
 mod tests;
 
-use super::filter::Filter;
 use super::screen::ScreenPass;
 use super::{READS, reach};
+use crate::edge_avoiding::{EdgeAvoiding, Filtered};
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
 use kajo_params::{ParamChoice, ParamValues, Params};
 use kajo_render_graph::Graph;
@@ -59,7 +59,7 @@ struct GpuParams {
 struct Ssao {
     params: Params,
     look: ScreenPass,
-    filter: Filter,
+    filter: EdgeAvoiding,
 }
 
 impl Ssao {
@@ -68,7 +68,7 @@ impl Ssao {
         Ok(Self {
             params,
             look: ScreenPass::new(context, (TECHNIQUE.id, "ao/ssao/look"), include_str!("ssao.wesl"), size_of::<GpuParams>())?,
-            filter: Filter::new(context, TECHNIQUE.id, params.denoise, params.samples)?,
+            filter: EdgeAvoiding::new(context, TECHNIQUE.id, Filtered::Surroundings, [params.denoise, params.samples])?,
         })
     }
 }
@@ -77,6 +77,7 @@ impl Effect for Ssao {
     fn prepare(&mut self, frame: &FrameContext) -> Result<(), Error> {
         let full_sphere = u32::from(self.params.kernel == Kernel::Sphere);
         self.look.write(frame, &GpuParams { samples: self.params.samples, full_sphere, distance: reach(frame), padding: 0 });
+        self.filter.prepare(frame);
         Ok(())
     }
 

@@ -3,11 +3,9 @@
 #[cfg(test)]
 mod tests;
 
-mod denoise;
-
+use crate::edge_avoiding::{EdgeAvoiding, Filtered};
 use crate::ray_count::RayCount;
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Statistic, Technique};
-use denoise::Denoise;
 use kajo_params::{ParamValues, Params};
 use kajo_render_graph::wgpu::BufferUsages;
 use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Device, Graph, PipelineOptions, slot};
@@ -52,7 +50,7 @@ struct RayTraced {
     pipeline: ComputePipeline,
     uniform: Buffer,
     rays: RayCount,
-    denoise: Denoise,
+    denoise: EdgeAvoiding,
 }
 
 impl RayTraced {
@@ -62,7 +60,7 @@ impl RayTraced {
         let params = Params::from_values(values);
         Ok(Self {
             params,
-            denoise: Denoise::new(context, params.denoise, params.samples)?,
+            denoise: EdgeAvoiding::new(context, TECHNIQUE.id, Filtered::Lights, [params.denoise, params.samples])?,
             pipeline: ComputePipeline::new(context.device, &shader, "trace_visibility", options)?,
             uniform: context.device.buffer(
                 "shadow/ray-traced",

@@ -10,7 +10,7 @@ use crate::show::{Develop, Show, curve};
 use crate::stage::{Moment, Shot, Source, Stage};
 use glam::UVec2;
 use kajo_render_graph::DeviceInfo;
-use kajo_renderer::{FrameSettings, RoleSelection};
+use kajo_renderer::{FrameSettings, Read, RoleSelection};
 use kajo_scene::Ignored;
 use kajo_techniques::Role;
 use std::collections::BTreeSet;
@@ -199,7 +199,7 @@ impl Model {
             exposure: Some(self.exposure),
             gbuffer: matches!(self.show, Show::Channel(_)),
             ambient_distance: self.moment.as_ref().map_or(f32::INFINITY, |moment| kajo_lab::ambient_distance(moment.bounds)),
-            ambient: self.selection.judged == Role::AmbientVisibility,
+            read: Read::One(self.selection.judged),
             debug: matches!(self.show, Show::Debug { .. }),
             ..FrameSettings::default()
         };

@@ -4,7 +4,7 @@ use crate::judge::Take;
 use crate::plan::Choice;
 use crate::report::Cost;
 use kajo_image::Image;
-use kajo_renderer::{Error, FrameOutput, FrameSettings, Renderer, RoleSelection};
+use kajo_renderer::{Error, FrameOutput, FrameSettings, Read, Renderer, RoleSelection};
 use kajo_scene::Ignored;
 use kajo_techniques::Role;
 use kajo_units::LinearRgb;
@@ -33,9 +33,15 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Of a frame that gives the image of `role`.
+    /// Of a frame that gives the image of `role`. Edges are judged by the light of lights alone: that of the environment is only as right as the techniques
+    /// of other roles.
     pub fn settings(&self, role: Role) -> FrameSettings {
-        FrameSettings { ambient_distance: self.ambient_distance, ambient: role == Role::AmbientVisibility, ..FrameSettings::default() }
+        FrameSettings {
+            ambient_distance: self.ambient_distance,
+            read: Read::One(role),
+            environment_light: role != Role::AntiAlias,
+            ..FrameSettings::default()
+        }
     }
 }
 
@@ -103,7 +109,9 @@ pub fn take(role: Role, output: &FrameOutput) -> Take {
     let grey = |image: &Image<f32>| image.map(|&v| LinearRgb::splat(v));
     match role {
         Role::DirectVisibility => Take { parts: output.visibility.iter().map(grey).collect(), composed: Some(output.direct.clone()) },
-        Role::AmbientVisibility => Take { parts: output.ambient_visibility.iter().map(grey).collect(), composed: None },
+        Role::AmbientVisibility | Role::DiffuseIndirect | Role::SpecularIndirect => {
+            Take { parts: output.estimate(role).into_iter().cloned().collect(), composed: None }
+        }
         Role::AntiAlias => Take { parts: vec![output.color.clone()], composed: None },
         _ => Take { parts: vec![output.direct.clone()], composed: None },
     }

@@ -13,7 +13,7 @@ use kajo_image_metrics::flip::{self, PIXELS_PER_DEGREE, flip};
 use kajo_image_metrics::{Palette, heat_map};
 use kajo_path_tracer::{Settings, Stop, Tracer, uncontrolled};
 use kajo_render_graph::Device;
-use kajo_renderer::{FrameOutput, FrameSettings, Renderer, RendererSettings, RoleSelection};
+use kajo_renderer::{FrameOutput, FrameSettings, Read, Renderer, RendererSettings, RoleSelection};
 use kajo_scene::{Snapshot, builtin};
 use kajo_techniques::{Role, Technique, TraceBackend};
 use kajo_units::{LinearRgb, Seconds, Srgb8};
@@ -37,6 +37,8 @@ fn scenes(role: Role) -> &'static [&'static str] {
     match role {
         Role::DirectVisibility => &["shadows", "penumbra"],
         Role::AmbientVisibility => &["shadows", "two-rooms"],
+        Role::DiffuseIndirect => &["cornell", "two-rooms"],
+        Role::SpecularIndirect => &["glossy-floor", "mirror-room"],
         _ => &["shadows"],
     }
 }
@@ -62,7 +64,7 @@ fn picture(role: Role, output: &FrameOutput) -> Image<Srgb8> {
                 LinearRgb::splat(*output.visibility[(x / size.x) as usize].get(x % size.x, y)).to_srgb8()
             })
         }
-        Role::AmbientVisibility => output.ambient_visibility.as_ref().unwrap().map(|&v| LinearRgb::splat(v).to_srgb8()),
+        Role::AmbientVisibility => output.estimate(role).unwrap().map(|v| v.to_srgb8()),
         _ => output.display.clone(),
     }
 }
@@ -74,7 +76,8 @@ fn frame(device: &Device, technique: &'static Technique, scene: &str, backend: O
     let mut renderer = Renderer::new(device, &scene, &snapshot, settings).unwrap();
     let roles = RoleSelection::new().choose(technique.id, &[]).unwrap();
     // Bright enough that every tone map has highlights to compress.
-    let settings = FrameSettings { exposure: Some(1.5), jitter, ambient_distance: 0.5, ambient: true, ..FrameSettings::default() };
+    let settings =
+        FrameSettings { exposure: Some(1.5), jitter, ambient_distance: 0.5, read: Read::One(technique.role), ..FrameSettings::default() };
     // What keeps a history shows what becomes of it.
     let settled = renderer.history(&roles).unwrap().max(1);
     let frames = (0..settled).map(|index| renderer.render(&roles, &FrameSettings { index, ..settings }).unwrap());

@@ -110,6 +110,20 @@ impl<'a> Graph<'a> {
         self.runs.push(Box::new(run));
     }
 
+    /// Adds a pass that makes the image of `slot` and fills its first layer with `value`.
+    pub fn clear(&mut self, name: &str, slot: Slot, value: wgpu::Color) {
+        self.pass(Access::new(name).writes(&[slot]), move |pass| {
+            let view = pass.view(slot)?;
+            let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(value), store: wgpu::StoreOp::Store };
+            pass.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some(&pass.access.name),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment { view: &view, depth_slice: None, resolve_target: None, ops })],
+                ..Default::default()
+            });
+            Ok(())
+        });
+    }
+
     /// Slots that the passes whose names start with `prefix` make.
     pub fn written_by(&self, prefix: &str) -> Vec<Slot> {
         self.accesses.iter().filter(|access| access.name.starts_with(prefix)).flat_map(|access| &access.writes).copied().collect()

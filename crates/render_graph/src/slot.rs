@@ -71,6 +71,12 @@ slots! {
     DIRECT = "direct", Rgba32Float, One, "W/(m² sr)";
     /// Copy of `direct` while another group of lights is added to it.
     DIRECT_BEFORE = "direct_before", Rgba32Float, One, "W/(m² sr)";
+    /// Irradiance by light that bounced at least once before it arrives.
+    DIFFUSE_INDIRECT = "diffuse_indirect", Rgba32Float, One, "W/m²";
+    /// The linear picture without reflections: emission, light straight from lights, indirect light and the environment's by diffuse lobes, background.
+    LIT = "lit", Rgba32Float, One, "W/(m² sr)";
+    /// What specular lobes reflect of everything but analytic lights: other surfaces, emissive meshes, the environment.
+    SPECULAR_INDIRECT = "specular_indirect", Rgba32Float, One, "W/(m² sr)";
     /// The linear picture before exposure.
     COLOR = "color", Rgba32Float, One, "W/(m² sr)";
     /// The same after anti-aliasing.

@@ -24,7 +24,7 @@ pub(crate) struct GpuFrame {
     pub perspective: u32,
     pub environment_image: u32,
     pub depth_range: f32,
-    pub padding: u32,
+    pub environment_light: u32,
 }
 
 /// Twin of `scene::Instance`.

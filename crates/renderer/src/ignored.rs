@@ -42,7 +42,7 @@ pub(crate) fn find(scene: &Scene, snapshot: &Snapshot, tables: &ModelTables, cam
         say(
             String::new(),
             "environment as a light",
-            "real-time: the environment is seen and lights nothing; that is for the roles ambient-visibility, diffuse-indirect and specular-indirect",
+            "real-time: it lights diffuse lobes by its irradiance times the share of the hemisphere that the role ambient-visibility finds open, and is reflected by techniques of the role specular-indirect",
         );
     }
     let placed = &snapshot.cameras[camera].camera;

@@ -16,6 +16,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod effects;
 mod error;
 mod gpu;
 mod ignored;
@@ -34,4 +35,4 @@ pub use error::Error;
 pub use motion::nothing_moves;
 pub use output::{FrameOutput, GBufferImages};
 pub use renderer::Renderer;
-pub use settings::{FrameSettings, RendererSettings, RoleSelection};
+pub use settings::{FrameSettings, Read, RendererSettings, RoleSelection};

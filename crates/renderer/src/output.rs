@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use kajo_image::Image;
 use kajo_render_graph::Timings;
 use kajo_scene::Ignored;
-use kajo_techniques::{DebugView, Statistic};
+use kajo_techniques::{DebugView, Role, Statistic};
 use kajo_units::{LinearRgb, Srgb8};
 
 /// A rendered frame, on the CPU.
@@ -18,8 +18,8 @@ pub struct FrameOutput {
     pub direct: Image<LinearRgb>,
     /// Role direct visibility: one image for each light that is [watched](crate::Renderer::watch), in the order of the lights.
     pub visibility: Vec<Image<f32>>,
-    /// Role ambient visibility, when it was asked for.
-    pub ambient_visibility: Option<Image<f32>>,
+    /// What techniques of other roles estimated, where it was asked for; single numbers as grey.
+    pub estimates: Vec<(Role, Image<LinearRgb>)>,
     /// The G-buffer, when it was asked for.
     pub gbuffer: Option<GBufferImages>,
     /// What each pass took.
@@ -39,12 +39,19 @@ pub struct FrameOutput {
     pub culled_draws: u32,
     /// Pixels lit, each counted once for each group of lights.
     pub shaded_pixels: u32,
-    /// What the technique of the role direct visibility counted, light by light.
+    /// What techniques counted; that of the role direct visibility light by light.
     pub statistics: Vec<Statistic>,
-    /// Pictures of its inner workings, when they were asked for.
+    /// Pictures of their inner workings, when they were asked for.
     pub debug: Vec<DebugView>,
     /// What this renderer and the technique do not simulate in this scene.
     pub ignored: Vec<Ignored>,
+}
+
+impl FrameOutput {
+    /// What the technique of a role estimated, where it was asked for.
+    pub fn estimate(&self, role: Role) -> Option<&Image<LinearRgb>> {
+        self.estimates.iter().find(|(of, _)| *of == role).map(|(_, image)| image)
+    }
 }
 
 /// The G-buffer, unpacked. Where nothing is seen the depth is infinite and the other values mean nothing.

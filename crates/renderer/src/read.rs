@@ -3,8 +3,8 @@
 use crate::output::GBufferImages;
 use glam::{UVec2, Vec2, Vec3, Vec4};
 use kajo_image::Image;
-use kajo_render_graph::{Device, Error, Pool, Slot, readback, slot};
-use kajo_techniques::View;
+use kajo_render_graph::{Device, Error, Pool, Slot, readback, slot, wgpu};
+use kajo_techniques::{Role, View};
 use kajo_units::{LinearRgb, Srgb8};
 
 /// The texels of a slot that a pass has made.
@@ -31,6 +31,15 @@ pub(crate) fn radiance(device: &Device, pool: &Pool, slot: Slot) -> Result<Image
 /// One layer of a slot of one float.
 pub(crate) fn scalar(device: &Device, pool: &Pool, slot: Slot, layer: u32) -> Result<Image<f32>, Error> {
     image(device, pool, slot, layer, |value: f32| value)
+}
+
+/// What the technique of a role with one image wrote.
+pub(crate) fn estimate(device: &Device, pool: &Pool, role: Role) -> Result<Image<LinearRgb>, Error> {
+    let slot = role.output().expect("a role that is read has a slot");
+    match slot.format {
+        wgpu::TextureFormat::R32Float => Ok(scalar(device, pool, slot, 0)?.map(|&value| LinearRgb::splat(value))),
+        _ => radiance(device, pool, slot),
+    }
 }
 
 /// The picture for a display.

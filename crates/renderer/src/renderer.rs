@@ -1,12 +1,14 @@
 //! A scene on the device, and its frames.
 
+use crate::effects::{Effects, Insight, Made};
 use crate::gpu::GpuFrame;
 use crate::output::FrameOutput;
 use crate::passes::{
-    Setup, background::Background, direct::Direct, forward::Forward, gbuffer::GBuffer, gbuffer::TARGETS, picture::Picture,
+    Setup, background::Background, direct::Direct, forward::Forward, gbuffer::GBuffer, gbuffer::TARGETS, lit::Lit, picture::Picture,
 };
 use crate::placement::Boxes;
-use crate::settings::{Choice, FrameSettings, RendererSettings, RoleSelection};
+use crate::settings::{FrameSettings, RendererSettings, RoleSelection};
+use crate::upload::environment::EnvironmentMap;
 use crate::upload::geometry::Geometry;
 use crate::upload::lights::Lights;
 use crate::upload::materials;
@@ -18,12 +20,12 @@ use glam::{Mat4, UVec2, Vec3};
 use kajo_bsdf::models::ModelEntry;
 use kajo_image::Image;
 use kajo_render_graph::wgpu::{self, BufferUsages};
-use kajo_render_graph::{Bindings, Buffer, Device, Graph, Pool, Slot, Texture, Timings, slot};
+use kajo_render_graph::{Bindings, Buffer, Device, Graph, Pool, Slot, Timings, slot};
 use kajo_sampling::halton_2d;
 use kajo_scene::{Environment, Ignored, PlacedCamera, Scene, Snapshot};
 use kajo_shader_lib::BSDF_TABLES;
 use kajo_techniques::shaders::Variant;
-use kajo_techniques::{Effect, FrameContext, MakeContext, Role, TraceBackend, View};
+use kajo_techniques::{FrameContext, MakeContext, Role, TraceBackend, View};
 use kajo_units::LinearRgb;
 
 /// A scene on the device, ready to be rendered.
@@ -48,8 +50,10 @@ pub struct Renderer {
     frame: Buffer,
     trace: TraceScene,
     gbuffer: GBuffer,
+    environment: EnvironmentMap,
     background: Background,
     direct: Direct,
+    lit: Lit,
     picture: Picture,
     forward: Option<Forward>,
     effects: Vec<Made>,
@@ -60,40 +64,23 @@ pub struct Renderer {
     still: bool,
 }
 
-/// A technique at work, with a device that counts its memory.
-struct Made {
-    choice: Choice,
-    device: Device,
-    effect: Box<dyn Effect>,
-    /// What was chosen for all roles in its last frame.
-    beside: Option<RoleSelection>,
-}
-
-impl Made {
-    /// Its id, and the bytes of what it keeps and of the slots that its passes make.
-    fn bytes(&self, written: &[Slot], pool: &Pool) -> (&'static str, u64) {
-        let slots: u64 = written.iter().filter_map(|slot| pool.get(*slot)).map(Texture::bytes).sum();
-        (self.choice.technique.id, self.device.memory_bytes() + slots)
-    }
-}
-
-/// The techniques of a frame.
-struct Effects {
-    shadow: Made,
-    ambient: Made,
-    anti_alias: Made,
-    tone: Made,
-}
-
 /// The reflectance models that materials name, each once.
 fn models_of(scene: &Scene) -> Vec<&'static ModelEntry> {
     let named = |entry: &&ModelEntry| scene.materials.iter().filter_map(|m| m.model.as_ref()).any(|model| model.entry.id == entry.id);
     kajo_bsdf::models::all().filter(named).collect()
 }
 
-/// Slots that the first graph of a frame makes for those of the groups of lights.
+/// Slots that the first graph of a frame makes for the others.
 fn made_first() -> Vec<Slot> {
     TARGETS.into_iter().chain([slot::DEPTH, slot::BACKGROUND, slot::DIRECT]).collect()
+}
+
+/// A graph whose passes find the images of these slots made.
+fn graph_after<'a>(slots: &[Slot]) -> Graph<'a> {
+    let mut graph = Graph::new();
+    graph.import(&made_first());
+    graph.import(slots);
+    graph
 }
 
 impl Renderer {
@@ -133,8 +120,10 @@ impl Renderer {
             model_tables,
             frame: device.buffer("frame", size_of::<GpuFrame>() as u64, BufferUsages::UNIFORM | BufferUsages::COPY_DST)?,
             gbuffer: GBuffer::new(setup)?,
-            background: Background::new(setup, scene.environment.as_ref())?,
+            environment: EnvironmentMap::new(device, scene.environment.as_ref())?,
+            background: Background::new(setup)?,
             direct: Direct::new(setup, settings.light_samples)?,
+            lit: Lit::new(setup)?,
             picture: Picture::new(setup)?,
             forward: if blendable { Some(Forward::new(setup, settings.light_samples)?) } else { None },
             effects: Vec::new(),
@@ -245,12 +234,7 @@ impl Renderer {
             self.rest()?;
         }
         self.last_index = Some(settings.index);
-        let mut made = Effects {
-            shadow: self.take_effect(roles, Role::DirectVisibility)?,
-            ambient: self.take_effect(roles, Role::AmbientVisibility)?,
-            anti_alias: self.take_effect(roles, Role::AntiAlias)?,
-            tone: self.take_effect(roles, Role::ToneMap)?,
-        };
+        let mut made = Effects::take(|role| self.take_effect(roles, role))?;
         let still = self.still;
         self.still &= made.anti_alias.beside.as_ref().is_none_or(|beside| beside == roles);
         made.anti_alias.beside = Some(roles.clone());
@@ -258,7 +242,7 @@ impl Renderer {
         let view = self.view_of(&self.current).jittered(jitter);
         self.upload_frame(&view, settings);
         let rendered = self.run(&view, settings, &mut made);
-        self.effects.extend([made.shadow, made.ambient, made.anti_alias, made.tone]);
+        self.effects.extend(made.into_all());
         self.still = still;
         rendered
     }
@@ -269,8 +253,7 @@ impl Renderer {
     /// When a chosen technique cannot run on this device.
     pub fn history(&mut self, roles: &RoleSelection) -> Result<u32, Error> {
         let mut longest = 0;
-        for role in [Role::DirectVisibility, Role::AmbientVisibility, Role::AntiAlias] {
-            let made = self.take_effect(roles, role)?;
+        for made in Effects::take(|role| self.take_effect(roles, role))?.into_all() {
             longest = longest.max(made.effect.history());
             self.effects.push(made);
         }
@@ -322,107 +305,96 @@ impl Renderer {
     }
 
     fn run(&mut self, view: &View, settings: &FrameSettings, made: &mut Effects) -> Result<FrameOutput, Error> {
-        let Effects { shadow, ambient, anti_alias, tone } = made;
         let device = self.device.clone();
         let mut pool = std::mem::take(&mut self.pool);
-        let rays_before = [shadow.effect.rays(&device)?, ambient.effect.rays(&device)?];
-        let mut written = Vec::new();
         let mut visibility: Vec<Image<f32>> = Vec::new();
-        let (mut statistics, mut debug) = (Vec::new(), Vec::new());
-        let mut timings = Timings::default();
+        let (mut insight, mut timings) = (Insight::default(), Timings::default());
+        made.begin(&device)?;
+        let Effects { shadow, ambient, diffuse, specular, anti_alias, tone } = made;
 
         let seen = if settings.culling { self.boxes.seen(&self.current, view) } else { vec![true; self.geometry.draws.len()] };
-        let first = self.context(view, settings, 0, 0);
+        let all = self.context(view, settings, 0, 0);
         let mut graph = Graph::new();
-        self.gbuffer.record(&first, &seen, &mut graph);
-        self.background.record(&first, &mut graph);
+        self.gbuffer.record(&all, &seen, &mut graph);
+        self.background.record(&all, &mut graph);
         Direct::record_clear(&mut graph);
         timings.merge(&graph.execute(&device, &mut pool)?);
 
-        let around = FrameContext { device: &ambient.device, ..self.context(view, settings, 0, 0) };
-        ambient.effect.prepare(&around)?;
-        timings.merge(&ambient.effect.run(&around, &pool)?);
-        let mut graph = Graph::new();
-        graph.import(&made_first());
-        ambient.effect.record(&around, &mut graph);
-        let looked_around = graph.written_by(ambient.choice.technique.id);
+        let around = FrameContext { device: &ambient.device.clone(), ..self.context(view, settings, 0, 0) };
+        timings.merge(&ambient.prepare(&around, &pool)?);
+        let mut graph = graph_after(&[]);
+        ambient.record(&around, &mut graph);
         timings.merge(&graph.execute(&device, &mut pool)?);
+        ambient.tell(&around, &mut insight)?;
 
         let group = pool.lights() as usize;
         for start in (0..self.lights.list.len()).step_by(group) {
             let count = group.min(self.lights.list.len() - start);
-            let frame = FrameContext { device: &shadow.device, ..self.context(view, settings, start, count) };
-            shadow.effect.prepare(&frame)?;
-            timings.merge(&shadow.effect.run(&frame, &pool)?);
-            self.direct.prepare(&frame);
-            let mut graph = Graph::new();
-            graph.import(&made_first());
-            shadow.effect.record(&frame, &mut graph);
-            written = graph.written_by(shadow.choice.technique.id);
+            let frame = FrameContext { device: &shadow.device.clone(), ..self.context(view, settings, start, count) };
+            timings.merge(&shadow.prepare(&frame, &pool)?);
+            self.direct.prepare(&frame, specular.effect.mirrors_up_to());
+            let mut graph = graph_after(&[]);
+            shadow.record(&frame, &mut graph);
             self.direct.record(&frame, &mut graph);
             timings.merge(&graph.execute(&device, &mut pool)?);
             for light in self.watched.iter().filter(|light| (start..start + count).contains(light)) {
                 visibility.push(read::scalar(&device, &pool, slot::SHADOW_VISIBILITY, (light - start) as u32)?);
             }
-            statistics.extend(shadow.effect.statistics(&frame)?);
-            if settings.debug {
-                debug.extend(shadow.effect.debug_views(&frame)?);
-            }
+            shadow.tell(&frame, &mut insight)?;
         }
-
         if settings.forward
             && let Some(forward) = &self.forward
         {
-            let frame = self.context(view, settings, 0, 0);
-            let mut graph = Graph::new();
-            graph.import(&made_first());
-            forward.record_opaque(&frame, &seen, &mut graph);
+            let mut graph = graph_after(&[]);
+            forward.record_opaque(&all, &seen, &mut graph);
             timings.merge(&graph.execute(&device, &mut pool)?);
         }
 
-        let last = FrameContext { device: &tone.device, ..self.context(view, settings, 0, 0) };
-        let resolving = FrameContext { device: &anti_alias.device, ..self.context(view, settings, 0, 0) };
-        let order = self.boxes.far_to_near(&self.current, &self.geometry.draws, &seen, view);
-        anti_alias.effect.prepare(&resolving)?;
-        tone.effect.prepare(&last)?;
-        let mut graph = Graph::new();
-        graph.import(&made_first());
-        self.picture.record(&last, &mut graph);
-        if let (Some(forward), false) = (&self.forward, order.is_empty()) {
-            forward.record_blended(&last, &order, &mut graph);
-        }
-        anti_alias.effect.record(&resolving, &mut graph);
-        tone.effect.record(&last, &mut graph);
-        let [resolved, displayed] = [&*anti_alias, &*tone].map(|made| graph.written_by(made.choice.technique.id));
+        let bounced = FrameContext { device: &diffuse.device.clone(), ..self.context(view, settings, 0, 0) };
+        timings.merge(&diffuse.prepare(&bounced, &pool)?);
+        let mut graph = graph_after(&[slot::AMBIENT_VISIBILITY]);
+        diffuse.record(&bounced, &mut graph);
+        self.lit.record(&all, &mut graph);
         timings.merge(&graph.execute(&device, &mut pool)?);
+        diffuse.tell(&bounced, &mut insight)?;
 
-        let rays = [shadow.effect.rays(&device)? - rays_before[0], ambient.effect.rays(&device)? - rays_before[1]];
+        let mirrored = FrameContext { device: &specular.device.clone(), ..self.context(view, settings, 0, 0) };
+        let resolving = FrameContext { device: &anti_alias.device.clone(), ..self.context(view, settings, 0, 0) };
+        let last = FrameContext { device: &tone.device.clone(), ..self.context(view, settings, 0, 0) };
+        let order = self.boxes.far_to_near(&self.current, &self.geometry.draws, &seen, view);
+        timings.merge(&specular.prepare(&mirrored, &pool)?);
+        timings.merge(&anti_alias.prepare(&resolving, &pool)?);
+        timings.merge(&tone.prepare(&last, &pool)?);
+        let mut graph = graph_after(&[slot::AMBIENT_VISIBILITY, slot::DIFFUSE_INDIRECT, slot::LIT]);
+        specular.record(&mirrored, &mut graph);
+        self.picture.record(&all, &mut graph);
+        if let (Some(forward), false) = (&self.forward, order.is_empty()) {
+            forward.record_blended(&all, &order, &mut graph);
+        }
+        anti_alias.record(&resolving, &mut graph);
+        tone.record(&last, &mut graph);
+        timings.merge(&graph.execute(&device, &mut pool)?);
+        specular.tell(&mirrored, &mut insight)?;
+
+        let technique_rays = made.rays(&device)?;
         let output = FrameOutput {
             color: read::radiance(&device, &pool, slot::RESOLVED)?,
             display: read::display(&device, &pool)?,
             direct: read::radiance(&device, &pool, slot::DIRECT)?,
             visibility,
-            ambient_visibility: if settings.ambient { Some(read::scalar(&device, &pool, slot::AMBIENT_VISIBILITY, 0)?) } else { None },
+            estimates: settings.read.roles().map(|role| Ok((role, read::estimate(&device, &pool, role)?))).collect::<Result<_, Error>>()?,
             gbuffer: if settings.gbuffer { Some(read::gbuffer(&device, &pool, view)?) } else { None },
             timings,
             memory_bytes: device.memory_bytes(),
-            technique_bytes: vec![
-                shadow.bytes(&written, &pool),
-                ambient.bytes(&looked_around, &pool),
-                anti_alias.bytes(&resolved, &pool),
-                tone.bytes(&displayed, &pool),
-            ],
-            rays: rays.iter().sum(),
-            technique_rays: vec![(shadow.choice.technique.id, rays[0]), (ambient.choice.technique.id, rays[1])],
+            technique_bytes: made.bytes(&pool),
+            rays: technique_rays.iter().map(|(_, rays)| rays).sum(),
+            technique_rays,
             draws: seen.iter().filter(|seen| **seen).count() as u32,
             culled_draws: seen.iter().filter(|seen| !**seen).count() as u32,
             shaded_pixels: if self.lights.list.is_empty() { 0 } else { self.direct.shaded(&device)? },
-            statistics,
-            debug,
-            ignored: [&*shadow, &*ambient, &*anti_alias].iter().fold(self.ignored(), |mut all, made| {
-                all.extend(made.effect.notes());
-                all
-            }),
+            statistics: insight.statistics,
+            debug: insight.debug,
+            ignored: self.ignored().into_iter().chain(made.notes()).collect(),
         };
         self.pool = pool;
         Ok(output)
@@ -440,8 +412,7 @@ impl Renderer {
         let device = self.device.counting_apart();
         let variant = Variant { backend: self.backend, bindless: self.textures.is_list(), models: &self.models };
         let context = MakeContext { device: &device, variant, textures: self.textures.count() };
-        let effect = choice.technique.build(&context, &choice.params)?;
-        Ok(Made { choice, device, effect, beside: None })
+        Made::new(choice, device.clone(), &context)
     }
 
     fn view_of(&self, snapshot: &Snapshot) -> View {
@@ -475,7 +446,7 @@ impl Renderer {
             perspective: u32::from(view.perspective),
             environment_image: u32::from(environment.is_some_and(|e| e.image.is_some())),
             depth_range: view.depth_range(),
-            padding: 0,
+            environment_light: u32::from(settings.environment_light),
         };
         self.frame.write(&device.queue, bytemuck::bytes_of(&frame));
         self.geometry.place(device, &self.scene, &self.current, &self.previous, view.position, previous.position);
@@ -507,7 +478,7 @@ impl Renderer {
             ambient_distance: settings.ambient_distance,
             debug: settings.debug,
             exposure: settings.exposure.or(self.scene.exposure).unwrap_or(0.0),
-            shared: self.trace.bind(self.textures.bind(self.lights.bind(shared))),
+            shared: self.trace.bind(self.textures.bind(self.lights.bind(self.environment.bind(shared)))),
         }
     }
 }

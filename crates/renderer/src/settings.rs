@@ -42,9 +42,11 @@ pub struct FrameSettings {
     pub gbuffer: bool,
     /// Role ambient visibility: how far a surface blocks, m; infinite where everything does.
     pub ambient_distance: f32,
-    /// Reads the role ambient visibility back.
-    pub ambient: bool,
-    /// Asks the technique of the role direct visibility for pictures of its inner workings.
+    /// Reads back what the techniques of these roles estimated.
+    pub read: Read,
+    /// The environment lights surfaces, by the share of it that the role ambient visibility finds; else it is seen and reflected only.
+    pub environment_light: bool,
+    /// Asks techniques for pictures of their inner workings.
     pub debug: bool,
     /// Lights opaque surfaces as they are drawn, without shadows, instead of through the G-buffer: to check one way by the other.
     pub forward: bool,
@@ -60,11 +62,32 @@ impl Default for FrameSettings {
             exposure: None,
             gbuffer: false,
             ambient_distance: f32::INFINITY,
-            ambient: false,
+            read: Read::Nothing,
+            environment_light: true,
             debug: false,
             forward: false,
             culling: true,
         }
+    }
+}
+
+/// Roles with one image whose estimates are read back; the role direct visibility has one for each light that is [watched](crate::Renderer::watch).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Read {
+    /// None.
+    Nothing,
+    /// This one; of other roles nothing.
+    One(Role),
+    /// Each of them.
+    Every,
+}
+
+impl Read {
+    const ALL: [Role; 3] = [Role::AmbientVisibility, Role::DiffuseIndirect, Role::SpecularIndirect];
+
+    /// The roles.
+    pub(crate) fn roles(self) -> impl Iterator<Item = Role> {
+        Self::ALL.into_iter().filter(move |role| self == Self::Every || self == Self::One(*role))
     }
 }
 

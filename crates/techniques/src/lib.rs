@@ -8,9 +8,11 @@ pub mod ao;
 mod edge_avoiding;
 mod error;
 mod frame;
+pub mod gi;
 mod insight;
 mod needs;
 mod ray_count;
+pub mod reflection;
 mod role;
 pub mod shaders;
 pub mod shadow;
@@ -33,7 +35,7 @@ use kajo_params::ParamValues;
 
 /// Every technique, in the order of every list.
 pub fn all() -> impl Iterator<Item = &'static Technique> {
-    shadow::ALL.iter().chain(ao::ALL).chain(aa::ALL).chain(tone::ALL).copied()
+    shadow::ALL.iter().chain(ao::ALL).chain(gi::ALL).chain(reflection::ALL).chain(aa::ALL).chain(tone::ALL).copied()
 }
 
 /// The techniques of one role.

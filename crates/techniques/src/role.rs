@@ -74,7 +74,7 @@ impl Role {
                 estimates: "∫ L_indirect cos θ dω",
                 unit: "W/m²",
                 judged_by: "diffuse-indirect",
-                output: None,
+                output: Some(slot::DIFFUSE_INDIRECT),
             },
             Self::SpecularIndirect => RoleData {
                 id: "specular-indirect",
@@ -82,7 +82,7 @@ impl Role {
                 estimates: "∫ f_specular L cos θ dω",
                 unit: "W/(m² sr)",
                 judged_by: "specular-indirect",
-                output: None,
+                output: Some(slot::SPECULAR_INDIRECT),
             },
             Self::LightSampling => RoleData {
                 id: "light-sampling",

@@ -88,6 +88,12 @@ pub trait Effect {
         0
     }
 
+    /// Role specular indirect: the greatest perceptual roughness at which its output shows emissive meshes. Surfaces up to it get no highlights of
+    /// them as direct light, which would count them twice.
+    fn mirrors_up_to(&self) -> Option<f32> {
+        None
+    }
+
     /// Rays traced since it was made, where it traces any. Waits for the device.
     ///
     /// # Errors

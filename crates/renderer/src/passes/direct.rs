@@ -1,6 +1,6 @@
 //! Direct light: for each group of lights, what the visibility technique found times unshadowed light.
 
-use super::{Setup, attachment};
+use super::Setup;
 use kajo_render_graph::wgpu::{self, BufferUsages};
 use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Device, Error, Graph, PipelineOptions, readback, slot};
 use kajo_shader_lib::ShaderLayout;
@@ -13,7 +13,7 @@ struct GpuParams {
     first_light: u32,
     light_count: u32,
     samples: u32,
-    padding: u32,
+    mirrored: f32,
 }
 
 pub(crate) struct Direct {
@@ -39,21 +39,17 @@ impl Direct {
 
     /// Before the first group of lights of a frame.
     pub fn record_clear(graph: &mut Graph) {
-        graph.pass(Access::new("direct/clear").writes(&[slot::DIRECT]), |pass| {
-            let view = pass.view(slot::DIRECT)?;
-            pass.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("direct/clear"),
-                color_attachments: &[attachment(&view, true)],
-                ..Default::default()
-            });
-            Ok(())
-        });
+        graph.clear("direct/clear", slot::DIRECT, wgpu::Color::TRANSPARENT);
     }
 
-    /// Uploads what changes with the group of lights.
-    pub fn prepare(&self, frame: &FrameContext) {
-        let params =
-            GpuParams { first_light: frame.first_light, light_count: frame.lights.len() as u32, samples: self.samples, padding: 0 };
+    /// Uploads what changes with the group of lights. Surfaces up to the roughness `mirrored` get no highlights of emissive meshes.
+    pub fn prepare(&self, frame: &FrameContext, mirrored: Option<f32>) {
+        let params = GpuParams {
+            first_light: frame.first_light,
+            light_count: frame.lights.len() as u32,
+            samples: self.samples,
+            mirrored: mirrored.unwrap_or(-1.0),
+        };
         self.params.write(&frame.device.queue, bytemuck::bytes_of(&params));
         if frame.first_light == 0 {
             self.shaded.write(&frame.device.queue, bytemuck::bytes_of(&0u32));

@@ -1,9 +1,10 @@
-//! The passes that every frame has, whatever the techniques: G-buffer, background, direct light, forward light, picture.
+//! The passes that every frame has, whatever the techniques: G-buffer, background, direct light, forward light, the picture without reflections and with them.
 
 pub(crate) mod background;
 pub(crate) mod direct;
 pub(crate) mod forward;
 pub(crate) mod gbuffer;
+pub(crate) mod lit;
 pub(crate) mod picture;
 
 use kajo_render_graph::{Device, Shader, wgpu};

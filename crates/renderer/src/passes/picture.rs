@@ -16,12 +16,11 @@ impl Picture {
     }
 
     pub fn record<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>) {
-        let reads = [slot::EMISSION, slot::DIRECT, slot::BACKGROUND];
+        let reads = [slot::LIT, slot::SPECULAR_INDIRECT];
         graph.pass(Access::new("picture").reads(&reads).writes(&[slot::COLOR]), move |pass| {
             let own = Bindings::new()
-                .with("emission", pass.view(slot::EMISSION)?)
-                .with("direct", pass.view(slot::DIRECT)?)
-                .with("background", pass.view(slot::BACKGROUND)?)
+                .with("lit", pass.view(slot::LIT)?)
+                .with("specular_indirect", pass.view(slot::SPECULAR_INDIRECT)?)
                 .with("color", pass.view(slot::COLOR)?);
             self.pipeline.dispatch(pass.device, pass.encoder, &frame.shared, &own, frame.size().extend(1))
         });

@@ -1,13 +1,13 @@
 //! Techniques of the role ambient visibility against closed forms and the path tracer's `ambient-visibility`.
 
 use super::scenes::*;
-use crate::{FrameOutput, FrameSettings, RoleSelection};
+use crate::{FrameOutput, FrameSettings, Read, RoleSelection};
 use glam::{Affine3A, Quat, UVec2, Vec3};
 use kajo_image::Image;
 use kajo_path_tracer::{Aov, Filter, Settings, Stop, Tracer, render, uncontrolled};
 use kajo_render_graph::Device;
 use kajo_scene::{Projection, Scene, Snapshot, shapes};
-use kajo_techniques::TraceBackend;
+use kajo_techniques::{Role, TraceBackend};
 use kajo_units::Meters;
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -26,12 +26,13 @@ fn around(
     distance: f32,
 ) -> FrameOutput {
     let roles = RoleSelection::new().choose("shadow/none", &[]).unwrap().choose(technique, params).unwrap();
-    let settings = FrameSettings { ambient_distance: distance, ambient: true, gbuffer: true, ..Default::default() };
+    let settings =
+        FrameSettings { ambient_distance: distance, read: Read::One(Role::AmbientVisibility), gbuffer: true, ..Default::default() };
     renderer(device, scene, size, backend).render(&roles, &settings).unwrap()
 }
 
-fn open(output: &FrameOutput) -> &Image<f32> {
-    output.ambient_visibility.as_ref().expect("asked for")
+fn open(output: &FrameOutput) -> Image<f32> {
+    output.estimate(Role::AmbientVisibility).expect("asked for").map(|v| v.0.x)
 }
 
 fn mean(image: &Image<f32>) -> f32 {
@@ -95,7 +96,7 @@ fn ambient_rays_beside_a_wall_give_the_closed_form() {
             let params = [("samples", "400"), ("directions", directions)];
             let out = around(&device, &spot_of_floor(wall, 0.5), size, Some(backend), ("ao/ray-traced", &params), reach);
             assert!(out.rays > 100_000 && out.technique_rays.contains(&("ao/ray-traced", out.rays)), "{}", out.rays);
-            mean(open(&out))
+            mean(&open(&out))
         };
         for directions in ["uniform", "cosine"] {
             assert_eq!(measured(false, directions, f32::INFINITY), 1.0);
@@ -154,18 +155,18 @@ fn ambient_rays_are_the_reference_that_ends_where_they_do() {
         let truth = truth(&scene, size, spp, distance);
         for backend in backends(&device) {
             let out = around(&device, &scene, size, Some(backend), ("ao/ray-traced", &[("samples", "1024")]), distance);
-            let error = rmse(open(&out), &truth);
+            let error = rmse(&open(&out), &truth);
             assert!(error < 0.02, "{} {distance} m: {error}", backend.id());
             assert!(
-                (mean(open(&out)) - mean(&truth)).abs() < 0.002,
+                (mean(&open(&out)) - mean(&truth)).abs() < 0.002,
                 "{} {distance} m: {}, {}",
                 backend.id(),
-                mean(open(&out)),
+                mean(&open(&out)),
                 mean(&truth)
             );
         }
         let other = around(&device, &scene, size, None, ("ao/ray-traced", &[("samples", "64")]), 1.0);
-        assert!(rmse(open(&other), &truth) > 0.04, "another distance is another image");
+        assert!(rmse(&open(&other), &truth) > 0.04, "another distance is another image");
     }
 }
 
@@ -222,7 +223,7 @@ fn ssao_leaves_planes_open_by_the_hemisphere_and_half_by_the_sphere() {
         assert!(values.len() > 40, "{}", values.len());
         values.iter().sum::<f32>() / values.len() as f32
     };
-    assert!(mean_near(open(&with)) < mean_near(open(&without)) - 0.15, "{} {}", mean_near(open(&with)), mean_near(open(&without)));
+    assert!(mean_near(&open(&with)) < mean_near(&open(&without)) - 0.15, "{} {}", mean_near(&open(&with)), mean_near(&open(&without)));
 }
 
 /// Horizons give the closed form beside an endless wall, on the wall and on the floor; a plane is open whatever the number of slices.
@@ -244,7 +245,8 @@ fn gtao_beside_a_wall_gives_the_closed_form() {
                     let here = if on_wall { p.x < 1e-3 && p.y < 1.2 } else { p.y < 1e-3 };
                     here && p.z.abs() < 0.4 && of(p) > a + 0.01 && of(p) < a + 0.1
                 };
-                let pairs: Vec<_> = open(&out).pixels().iter().zip(positions.pixels()).filter(|(_, p)| inside(p)).collect();
+                let seen = open(&out);
+                let pairs: Vec<_> = seen.pixels().iter().zip(positions.pixels()).filter(|(_, p)| inside(p)).collect();
                 assert!(pairs.len() > 20, "{on_wall} {a}: {}", pairs.len());
                 let error = pairs.iter().map(|(v, p)| *v - beside_a_wall(of(p))).sum::<f32>() / pairs.len() as f32;
                 assert!(error.abs() < tolerance, "{slices} slices, {steps} steps, wall {on_wall}, a = {a}: {error}");

@@ -7,6 +7,7 @@ mod changes;
 mod culling;
 mod display;
 mod emissive;
+mod environment;
 mod gbuffer;
 mod hybrids;
 mod lighting;

@@ -1,5 +1,6 @@
 //! From the scene to the device: geometry, materials, textures, lights, and what rays are traced through.
 
+pub(crate) mod environment;
 pub(crate) mod geometry;
 pub(crate) mod lights;
 pub(crate) mod materials;

@@ -6,7 +6,7 @@ use crate::failure::{Failure, Outcome};
 use crate::{output, view};
 use kajo_image::{ExrFile, Layer, ToneMap, tone_map, write_png};
 use kajo_render_graph::Device;
-use kajo_renderer::{FrameOutput, FrameSettings, GBufferImages, Renderer, RendererSettings, RoleSelection};
+use kajo_renderer::{FrameOutput, FrameSettings, GBufferImages, Read, Renderer, RendererSettings, RoleSelection};
 use kajo_scene::Scene;
 use kajo_techniques::{DebugPixels, DebugView, Error, Role};
 use serde_json::{Value, json};
@@ -31,7 +31,7 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     let settings = FrameSettings {
         index: seed,
         gbuffer: !arguments.aov.is_empty(),
-        ambient: !arguments.aov.is_empty(),
+        read: if arguments.aov.is_empty() { Read::Nothing } else { Read::Every },
         ambient_distance: arguments.view.ambient_distance.map_or(f32::INFINITY, |distance| distance as f32),
         debug: arguments.debug.is_some(),
         ..Default::default()
@@ -122,7 +122,10 @@ fn roles(words: &[String]) -> Outcome<RoleSelection> {
 fn layers(frame: &FrameOutput, lights: &[String]) -> Vec<Layer> {
     let mut layers = vec![Layer::color("direct", &frame.direct)];
     layers.extend(lights.iter().zip(&frame.visibility).map(|(name, image)| Layer::scalar(format!("visibility.{name}"), image)));
-    layers.extend(frame.ambient_visibility.iter().map(|image| Layer::scalar("ambient-visibility", image)));
+    layers.extend(frame.estimates.iter().map(|(role, image)| match role {
+        Role::AmbientVisibility => Layer::scalar(role.judged_by(), &image.map(|v| v.0.x)),
+        _ => Layer::color(role.judged_by(), image),
+    }));
     if let Some(GBufferImages { depth, position, shading_normal, normal, albedo, motion, instance, material, .. }) = &frame.gbuffer {
         let id = |image: &kajo_image::Image<Option<u32>>| image.map(|id| id.map_or(-1.0, |id| id as f32));
         layers.extend([

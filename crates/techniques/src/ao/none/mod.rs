@@ -1,8 +1,7 @@
 //! No ambient occlusion.
 
 use crate::{Effect, Error, FrameContext, Needs, Role, Technique};
-use kajo_render_graph::wgpu;
-use kajo_render_graph::{Access, Graph, slot};
+use kajo_render_graph::{Graph, slot, wgpu};
 
 /// The technique.
 pub const TECHNIQUE: Technique = Technique {
@@ -25,15 +24,6 @@ impl Effect for Open {
     }
 
     fn record<'a>(&'a self, _frame: &'a FrameContext<'a>, graph: &mut Graph<'a>) {
-        graph.pass(Access::new("ao/none").writes(&[slot::AMBIENT_VISIBILITY]), |pass| {
-            let view = pass.view(slot::AMBIENT_VISIBILITY)?;
-            let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::WHITE), store: wgpu::StoreOp::Store };
-            pass.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("ao/none"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment { view: &view, depth_slice: None, resolve_target: None, ops })],
-                ..Default::default()
-            });
-            Ok(())
-        });
+        graph.clear("ao/none", slot::AMBIENT_VISIBILITY, wgpu::Color::WHITE);
     }
 }

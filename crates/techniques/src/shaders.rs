@@ -15,6 +15,7 @@ pub const FILES: &[SourceFile<'static>] = files![
     "environment",
     "frame",
     "gbuffer",
+    "hit",
     "lights",
     "material",
     "raster",

@@ -9,6 +9,7 @@ mod display;
 mod emissive;
 mod environment;
 mod gbuffer;
+mod hit;
 mod hybrids;
 mod lighting;
 mod map_family;

@@ -1,0 +1,159 @@
+//! Surfaces that rays meet (`package::hit`), seen along the camera's own rays: the rasteriser's, and as brightly lit.
+
+use super::scenes::*;
+use crate::{FrameOutput, FrameSettings, RoleSelection};
+use glam::{UVec2, Vec3};
+use kajo_render_graph::wgpu::BufferUsages;
+use kajo_render_graph::{Bindings, ComputePipeline, Device, PipelineOptions, Shader, readback};
+use kajo_scene::{Scene, builtin};
+use kajo_techniques::{TraceBackend, shaders};
+
+const ROOT: &str = "
+    import package::frame::{frame, ray_direction};
+    import package::hit::{direct_at, environment_at, shaded, surface_hit};
+    import package::trace::{Ray, trace_closest};
+    import shader_lib::random::hash_pixel;
+    struct Answer { position: vec3f, instance: u32, shading: vec3f, roughness: f32, geometric: vec3f, padding_a: f32, emission: vec3f,
+        padding_b: f32, direct: vec3f, unlit: u32, around: vec3f, padding_c: f32 }
+    @group(1) @binding(0) var<storage, read_write> answers: array<Answer>;
+    @group(1) @binding(1) var<uniform> lights_at_once: vec4u;
+    @compute @workgroup_size(8, 8) fn main(@builtin(global_invocation_id) id: vec3u) {
+        if any(id.xy >= frame.size) { return; }
+        let direction = ray_direction(id.xy);
+        let hit = trace_closest(Ray(frame.camera_position, 0.0, direction, 1e18), 0u);
+        var out = Answer();
+        if hit.found {
+            let at = surface_hit(hit, direction, 0.0);
+            let point = shaded(at);
+            let light = direct_at(point, at.relative, 16u, lights_at_once.x, hash_pixel(id.xy, 0u, 7u));
+            out = Answer(at.relative + frame.camera_position, at.instance + 1u, at.shading, at.packed.f0_roughness.w, at.geometric, 0.0,
+                at.emission, 0.0, light, u32(at.unlit), environment_at(point, at.relative, 64u, id.x), 0.0);
+        }
+        answers[id.x + id.y * frame.size.x] = out;
+    }";
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+struct Answer {
+    position: Vec3,
+    /// + 1.
+    instance: u32,
+    shading: Vec3,
+    roughness: f32,
+    geometric: Vec3,
+    padding_a: f32,
+    emission: Vec3,
+    padding_b: f32,
+    direct: Vec3,
+    unlit: u32,
+    around: Vec3,
+    padding_c: f32,
+}
+
+/// A frame of the renderer, and what rays of its camera met, each lit by `most` lights.
+fn both_ways(device: &Device, scene: &Scene, size: UVec2, backend: TraceBackend, most: u32) -> (FrameOutput, Vec<Answer>) {
+    let mut renderer = renderer(device, scene, size, Some(backend));
+    let settings = FrameSettings { gbuffer: true, ..Default::default() };
+    let roles = RoleSelection::new().choose("shadow/ray-traced", &[("samples", "16")]).unwrap();
+    let roles = roles.choose("ao/ray-traced", &[("samples", "16")]).unwrap().choose("reflection/none", &[]).unwrap();
+    let out = renderer.render(&roles, &settings).unwrap();
+    let linked = shaders::link("test", ROOT, shaders::Variant::without_models(backend, device.has_bindless_textures()));
+    let options = PipelineOptions { list_length: renderer.texture_count(), ..Default::default() };
+    let pipeline = ComputePipeline::new(device, &Shader::new(device, linked).unwrap(), "main", options).unwrap();
+    let bytes = size.element_product() as usize * size_of::<Answer>();
+    let answers = device.buffer("answers", bytes as u64, BufferUsages::STORAGE | BufferUsages::COPY_SRC).unwrap();
+    let lights_at_once = device.buffer_with("lights at once", &[most, 0, 0, 0], BufferUsages::UNIFORM).unwrap();
+    let view = renderer.view(&settings);
+    let frame = renderer.context(&view, &settings, 0, 0);
+    let own = Bindings::new().with("answers", &answers).with("lights_at_once", &lights_at_once);
+    let mut encoder = device.wgpu.create_command_encoder(&Default::default());
+    pipeline.dispatch(device, &mut encoder, &frame.shared, &own, size.extend(1)).unwrap();
+    device.queue.submit([encoder.finish()]);
+    (out, readback::read_buffer(device, &answers.wgpu).unwrap())
+}
+
+/// Shares of the pixels whose rays meet what the G-buffer shows: the same instance, in the same place, with the same normals, as rough.
+fn agreement(out: &FrameOutput, answers: &[Answer]) -> [f32; 4] {
+    let images = out.gbuffer.as_ref().unwrap();
+    let mut alike = [0.0f32; 4];
+    for (i, answer) in answers.iter().enumerate() {
+        let instance = images.instance.pixels()[i].map_or(0, |instance| instance + 1);
+        let nothing = instance == 0 && answer.instance == 0;
+        let near = answer.position.distance(images.position.pixels()[i]) <= 2e-4 * answer.position.length().max(1.0);
+        let turned = |a: Vec3, b: Vec3| a.distance(b) <= 0.03;
+        let normals = turned(answer.geometric, images.normal.pixels()[i]) && turned(answer.shading, images.shading_normal.pixels()[i]);
+        let rough = (answer.roughness - images.roughness.pixels()[i]).abs() <= 0.02;
+        for (count, same) in alike.iter_mut().zip([answer.instance == instance, near, normals, rough]) {
+            *count += f32::from(nothing || (answer.instance == instance && same)) / answers.len() as f32;
+        }
+    }
+    alike
+}
+
+/// On every backend the camera's rays make of the scene what the rasteriser makes of it, textures, normal maps and masks included.
+#[test]
+fn rays_meet_the_surfaces_that_the_rasteriser_draws() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(128, 96);
+    let helmet = asset("FlightHelmet/FlightHelmet.gltf");
+    for scene in ["spheres", "moving"].map(|name| builtin::load(name).unwrap()).into_iter().chain(helmet) {
+        for backend in [TraceBackend::RayQuery, TraceBackend::Compute] {
+            if backend == TraceBackend::RayQuery && !device.has_ray_query() {
+                continue;
+            }
+            let (out, answers) = both_ways(&device, &scene, size, backend, 64);
+            let alike = agreement(&out, &answers);
+            // The rasteriser reads textures with a footprint, rays their finest level.
+            let textured = !scene.textures.is_empty();
+            let least = if textured { [0.995, 0.995, 0.8, 0.8] } else { [0.995, 0.995, 0.995, 0.995] };
+            assert!(alike.iter().zip(least).all(|(got, least)| *got >= least), "{} by {}: {alike:?}", scene.name, backend.id());
+            // The image of one column further to the right must not pass.
+            let shifted: Vec<Answer> = (0..answers.len()).map(|i| answers[(i + 1) % answers.len()]).collect();
+            assert!(agreement(&out, &shifted)[1] < 0.8, "{}", scene.name);
+        }
+    }
+}
+
+fn mean(values: impl Iterator<Item = Vec3>) -> f32 {
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value.element_sum(), count + 1));
+    sum / count as f32
+}
+
+/// What they reflect of the environment is what the frame's deferred pass finds with ray-traced ambient visibility, in the mean.
+#[test]
+fn the_environment_lights_what_rays_meet() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(96, 72);
+    let scene = builtin::load("spheres").unwrap();
+    assert!(scene.environment.is_some());
+    let (out, answers) = both_ways(&device, &scene, size, TraceBackend::best(&device), 1);
+    let seen = |i: &usize| answers[*i].instance != 0 && answers[*i].unlit == 0;
+    let pixels: Vec<usize> = (0..answers.len()).filter(seen).collect();
+    let of_frame = mean(pixels.iter().map(|&i| out.color.pixels()[i].0 - out.direct.pixels()[i].0 - answers[i].emission));
+    let of_rays = mean(pixels.iter().map(|&i| answers[i].around));
+    assert!(of_frame > 0.0 && (of_rays / of_frame - 1.0).abs() < 0.05, "{of_rays} instead of {of_frame}");
+}
+
+/// What they reflect from the lights is what the deferred passes find with ray-traced shadows: pixel by pixel where lights are points, in
+/// the mean where they are areas; with fewer lights at a time than there are, in the mean, too.
+#[test]
+fn rays_light_what_they_meet_as_the_frame_is_lit() {
+    let device = Device::new().unwrap();
+    let size = UVec2::new(96, 72);
+    let helmet = asset("FlightHelmet/FlightHelmet.gltf");
+    let scenes = ["shadows", "cornell", "many-lights:12"].map(|name| builtin::load(name).unwrap());
+    for scene in scenes.into_iter().chain(helmet) {
+        let (out, answers) = both_ways(&device, &scene, size, TraceBackend::best(&device), 64);
+        let of_frame = mean(out.direct.pixels().iter().map(|pixel| pixel.0));
+        let of_rays = mean(answers.iter().map(|answer| answer.direct));
+        assert!(of_frame > 0.0 && (of_rays / of_frame - 1.0).abs() < 0.03, "{}: {of_rays} instead of {of_frame}", scene.name);
+        let difference = mean(out.direct.pixels().iter().zip(&answers).map(|(a, b)| (a.0 - b.direct).abs()));
+        assert!(difference < 0.15 * of_frame, "{}: pixels differ by {}", scene.name, difference / of_frame);
+        if scene.lights.len() > 4 {
+            let (_, few) = both_ways(&device, &scene, size, TraceBackend::best(&device), 4);
+            let of_few = mean(few.iter().map(|answer| answer.direct));
+            assert!((of_few / of_rays - 1.0).abs() < 0.05, "{}: {of_few} instead of {of_rays}", scene.name);
+            assert!(mean(few.iter().zip(&answers).map(|(a, b)| (a.direct - b.direct).abs())) > 0.02 * of_rays, "they were all taken");
+        }
+    }
+}

@@ -8,13 +8,15 @@ use kajo_render_graph::{Bindings, ComputePipeline, Device, PipelineOptions, Shad
 use kajo_scene::{Scene, builtin};
 use kajo_techniques::{TraceBackend, shaders};
 
+/// What rays meet. `LIT` stands where it is lit.
 const ROOT: &str = "
     import package::frame::{frame, ray_direction};
     import package::hit::{direct_at, environment_at, shaded, surface_hit};
+    import package::screen::{pixel_at_distance_1, scale_at};
     import package::trace::{Ray, trace_closest};
     import shader_lib::random::hash_pixel;
-    struct Answer { position: vec3f, instance: u32, shading: vec3f, roughness: f32, geometric: vec3f, padding_a: f32, emission: vec3f,
-        padding_b: f32, direct: vec3f, unlit: u32, around: vec3f, padding_c: f32 }
+    struct Answer { position: vec3f, instance: u32, shading: vec3f, roughness: f32, geometric: vec3f, unlit: u32, emission: vec3f,
+        padding_a: f32, direct: vec3f, padding_b: f32, around: vec3f, padding_c: f32 }
     @group(1) @binding(0) var<storage, read_write> answers: array<Answer>;
     @group(1) @binding(1) var<uniform> lights_at_once: vec4u;
     @compute @workgroup_size(8, 8) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -23,14 +25,22 @@ const ROOT: &str = "
         let hit = trace_closest(Ray(frame.camera_position, 0.0, direction, 1e18), 0u);
         var out = Answer();
         if hit.found {
-            let at = surface_hit(hit, direction, 0.0);
-            let point = shaded(at);
-            let light = direct_at(point, at.relative, 16u, lights_at_once.x, hash_pixel(id.xy, 0u, 7u));
-            out = Answer(at.relative + frame.camera_position, at.instance + 1u, at.shading, at.packed.f0_roughness.w, at.geometric, 0.0,
-                at.emission, 0.0, light, u32(at.unlit), environment_at(point, at.relative, 64u, id.x), 0.0);
+            // As wide as the pixel.
+            let width = pixel_at_distance_1() * scale_at(direction * hit.t);
+            let at = surface_hit(hit, direction, width);
+            out = Answer(at.relative + frame.camera_position, at.instance + 1u, at.shading, at.packed.f0_roughness.w, at.geometric,
+                u32(at.unlit), at.emission, f32(lights_at_once.x), vec3f(0.0), 0.0, vec3f(0.0), 0.0);
+            LIT
         }
         answers[id.x + id.y * frame.size.x] = out;
     }";
+
+const LIT: &str = "
+            let point = shaded(at);
+            for (var i = 0u; i < lights_at_once.y; i++) {
+                out.direct += direct_at(point, at.relative, 16u, lights_at_once.x, hash_pixel(id.xy, i, 7u)) / f32(lights_at_once.y);
+            }
+            out.around = environment_at(point, at.relative, 64u, hash_pixel(id.xy, 0u, 8u));";
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -41,28 +51,29 @@ struct Answer {
     shading: Vec3,
     roughness: f32,
     geometric: Vec3,
-    padding_a: f32,
-    emission: Vec3,
-    padding_b: f32,
-    direct: Vec3,
     unlit: u32,
+    emission: Vec3,
+    padding_a: f32,
+    direct: Vec3,
+    padding_b: f32,
     around: Vec3,
     padding_c: f32,
 }
 
-/// A frame of the renderer, and what rays of its camera met, each lit by `most` lights.
-fn both_ways(device: &Device, scene: &Scene, size: UVec2, backend: TraceBackend, most: u32) -> (FrameOutput, Vec<Answer>) {
+/// A frame of the renderer, and what rays of its camera met; lit by `most` lights at a time, the mean of `repeats` times, or not at all.
+fn both_ways(device: &Device, scene: &Scene, size: UVec2, backend: TraceBackend, [most, repeats]: [u32; 2]) -> (FrameOutput, Vec<Answer>) {
     let mut renderer = renderer(device, scene, size, Some(backend));
     let settings = FrameSettings { gbuffer: true, ..Default::default() };
     let roles = RoleSelection::new().choose("shadow/ray-traced", &[("samples", "16")]).unwrap();
     let roles = roles.choose("ao/ray-traced", &[("samples", "16")]).unwrap().choose("reflection/none", &[]).unwrap();
     let out = renderer.render(&roles, &settings).unwrap();
-    let linked = shaders::link("test", ROOT, shaders::Variant::without_models(backend, device.has_bindless_textures()));
+    let root = ROOT.replace("LIT", if repeats > 0 { LIT } else { "" });
+    let linked = shaders::link("test", &root, shaders::Variant::without_models(backend, device.has_bindless_textures()));
     let options = PipelineOptions { list_length: renderer.texture_count(), ..Default::default() };
     let pipeline = ComputePipeline::new(device, &Shader::new(device, linked).unwrap(), "main", options).unwrap();
     let bytes = size.element_product() as usize * size_of::<Answer>();
     let answers = device.buffer("answers", bytes as u64, BufferUsages::STORAGE | BufferUsages::COPY_SRC).unwrap();
-    let lights_at_once = device.buffer_with("lights at once", &[most, 0, 0, 0], BufferUsages::UNIFORM).unwrap();
+    let lights_at_once = device.buffer_with("lights at once", &[most, repeats, 0, 0], BufferUsages::UNIFORM).unwrap();
     let view = renderer.view(&settings);
     let frame = renderer.context(&view, &settings, 0, 0);
     let own = Bindings::new().with("answers", &answers).with("lights_at_once", &lights_at_once);
@@ -72,22 +83,22 @@ fn both_ways(device: &Device, scene: &Scene, size: UVec2, backend: TraceBackend,
     (out, readback::read_buffer(device, &answers.wgpu).unwrap())
 }
 
-/// Shares of the pixels whose rays meet what the G-buffer shows: the same instance, in the same place, with the same normals, as rough.
-fn agreement(out: &FrameOutput, answers: &[Answer]) -> [f32; 4] {
+/// Of the pixels that show a surface in either way, the shares whose rays meet what the G-buffer shows: the same instance, in the same place, with the same normals, as rough.
+fn agreement(out: &FrameOutput, answers: &[Answer], tolerance: f32) -> [f32; 4] {
     let images = out.gbuffer.as_ref().unwrap();
-    let mut alike = [0.0f32; 4];
+    let (mut alike, mut covered) = ([0.0f32; 4], 0.0);
     for (i, answer) in answers.iter().enumerate() {
         let instance = images.instance.pixels()[i].map_or(0, |instance| instance + 1);
-        let nothing = instance == 0 && answer.instance == 0;
+        covered += f32::from(instance != 0 || answer.instance != 0);
         let near = answer.position.distance(images.position.pixels()[i]) <= 2e-4 * answer.position.length().max(1.0);
-        let turned = |a: Vec3, b: Vec3| a.distance(b) <= 0.03;
+        let turned = |a: Vec3, b: Vec3| a.distance(b) <= tolerance;
         let normals = turned(answer.geometric, images.normal.pixels()[i]) && turned(answer.shading, images.shading_normal.pixels()[i]);
-        let rough = (answer.roughness - images.roughness.pixels()[i]).abs() <= 0.02;
+        let rough = (answer.roughness - images.roughness.pixels()[i]).abs() <= tolerance;
         for (count, same) in alike.iter_mut().zip([answer.instance == instance, near, normals, rough]) {
-            *count += f32::from(nothing || (answer.instance == instance && same)) / answers.len() as f32;
+            *count += f32::from(instance != 0 && answer.instance == instance && same);
         }
     }
-    alike
+    alike.map(|count| count / covered)
 }
 
 /// On every backend the camera's rays make of the scene what the rasteriser makes of it, textures, normal maps and masks included.
@@ -96,20 +107,19 @@ fn rays_meet_the_surfaces_that_the_rasteriser_draws() {
     let device = Device::new().unwrap();
     let size = UVec2::new(128, 96);
     let helmet = asset("FlightHelmet/FlightHelmet.gltf");
-    for scene in ["spheres", "moving"].map(|name| builtin::load(name).unwrap()).into_iter().chain(helmet) {
+    for scene in [builtin::load("moving").unwrap()].into_iter().chain(helmet) {
         for backend in [TraceBackend::RayQuery, TraceBackend::Compute] {
             if backend == TraceBackend::RayQuery && !device.has_ray_query() {
                 continue;
             }
-            let (out, answers) = both_ways(&device, &scene, size, backend, 64);
-            let alike = agreement(&out, &answers);
-            // The rasteriser reads textures with a footprint, rays their finest level.
-            let textured = !scene.textures.is_empty();
-            let least = if textured { [0.995, 0.995, 0.8, 0.8] } else { [0.995, 0.995, 0.995, 0.995] };
+            let (out, answers) = both_ways(&device, &scene, size, backend, [1, 0]);
+            // Footprints of rays are round, those of pixels are not.
+            let (tolerance, least) = if scene.textures.is_empty() { (0.02, [0.99; 4]) } else { (0.1, [0.97, 0.97, 0.8, 0.8]) };
+            let alike = agreement(&out, &answers, tolerance);
             assert!(alike.iter().zip(least).all(|(got, least)| *got >= least), "{} by {}: {alike:?}", scene.name, backend.id());
             // The image of one column further to the right must not pass.
             let shifted: Vec<Answer> = (0..answers.len()).map(|i| answers[(i + 1) % answers.len()]).collect();
-            assert!(agreement(&out, &shifted)[1] < 0.8, "{}", scene.name);
+            assert!(agreement(&out, &shifted, tolerance)[1] < 0.1, "{}", scene.name);
         }
     }
 }
@@ -126,7 +136,7 @@ fn the_environment_lights_what_rays_meet() {
     let size = UVec2::new(96, 72);
     let scene = builtin::load("spheres").unwrap();
     assert!(scene.environment.is_some());
-    let (out, answers) = both_ways(&device, &scene, size, TraceBackend::best(&device), 1);
+    let (out, answers) = both_ways(&device, &scene, size, TraceBackend::best(&device), [1, 1]);
     let seen = |i: &usize| answers[*i].instance != 0 && answers[*i].unlit == 0;
     let pixels: Vec<usize> = (0..answers.len()).filter(seen).collect();
     let of_frame = mean(pixels.iter().map(|&i| out.color.pixels()[i].0 - out.direct.pixels()[i].0 - answers[i].emission));
@@ -140,20 +150,18 @@ fn the_environment_lights_what_rays_meet() {
 fn rays_light_what_they_meet_as_the_frame_is_lit() {
     let device = Device::new().unwrap();
     let size = UVec2::new(96, 72);
-    let helmet = asset("FlightHelmet/FlightHelmet.gltf");
-    let scenes = ["shadows", "cornell", "many-lights:12"].map(|name| builtin::load(name).unwrap());
-    for scene in scenes.into_iter().chain(helmet) {
-        let (out, answers) = both_ways(&device, &scene, size, TraceBackend::best(&device), 64);
+    for scene in ["shadows", "cornell", "many-lights:12"].map(|name| builtin::load(name).unwrap()) {
+        let (out, answers) = both_ways(&device, &scene, size, TraceBackend::best(&device), [64, 1]);
         let of_frame = mean(out.direct.pixels().iter().map(|pixel| pixel.0));
         let of_rays = mean(answers.iter().map(|answer| answer.direct));
         assert!(of_frame > 0.0 && (of_rays / of_frame - 1.0).abs() < 0.03, "{}: {of_rays} instead of {of_frame}", scene.name);
         let difference = mean(out.direct.pixels().iter().zip(&answers).map(|(a, b)| (a.0 - b.direct).abs()));
         assert!(difference < 0.15 * of_frame, "{}: pixels differ by {}", scene.name, difference / of_frame);
         if scene.lights.len() > 4 {
-            let (_, few) = both_ways(&device, &scene, size, TraceBackend::best(&device), 4);
+            let (_, few) = both_ways(&device, &scene, size, TraceBackend::best(&device), [4, 16]);
             let of_few = mean(few.iter().map(|answer| answer.direct));
             assert!((of_few / of_rays - 1.0).abs() < 0.05, "{}: {of_few} instead of {of_rays}", scene.name);
-            assert!(mean(few.iter().zip(&answers).map(|(a, b)| (a.direct - b.direct).abs())) > 0.02 * of_rays, "they were all taken");
+            assert!(mean(few.iter().zip(&answers).map(|(a, b)| (a.direct - b.direct).abs())) > 0.05 * of_rays, "they were all taken");
         }
     }
 }

@@ -4,6 +4,7 @@
 //! asked when what is seen differs from what was asked.
 
 use crate::frames::{self, Frames};
+use crate::metering::{Metering, adapted};
 use crate::model::Model;
 use crate::stage::{Kind, Source, Stage};
 use crate::textures::Textures;
@@ -13,6 +14,7 @@ use egui::{Context, FullOutput, RawInput};
 use kajo_image::auto_exposure;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// The viewer.
 pub(crate) struct App {
@@ -26,6 +28,8 @@ pub(crate) struct App {
     errors: Worker<errors::Question, errors::Answer>,
     asked: Asked,
     textures: Textures,
+    /// When the last frames came.
+    metered: Instant,
 }
 
 /// The last questions.
@@ -55,6 +59,7 @@ impl App {
             errors: errors::start(wake),
             asked: Asked::default(),
             textures: Textures::default(),
+            metered: Instant::now(),
             context,
         }
     }
@@ -168,13 +173,20 @@ impl App {
         }
     }
 
-    /// Middle grey for the mean of the first frame of a scene that does not say how it is to be exposed.
+    /// Middle grey for the mean of the first frame of a scene that does not say how it is to be exposed, or of every frame where that is wanted.
     fn expose(&mut self, frames: &Frames) {
+        let elapsed = self.metered.elapsed();
+        self.metered = Instant::now();
         let current = self.model.moment.as_ref().is_some_and(|moment| moment.is(&frames.question.shot.moment));
-        if let (true, true, Some(Ok(frame))) = (self.model.expose, current, frames.sides.first()) {
-            self.model.expose = false;
-            // Tenths of a stop are enough, and easy to repeat.
-            self.model.exposure = (auto_exposure(&frame.color) * 10.0).round() / 10.0;
+        let Some(Ok(frame)) = frames.sides.first().filter(|_| current) else { return };
+        match self.model.metering {
+            Metering::Fixed => {}
+            Metering::Once => {
+                self.model.metering = Metering::Fixed;
+                // Tenths of a stop are enough, and easy to repeat.
+                self.model.exposure = (auto_exposure(&frame.color) * 10.0).round() / 10.0;
+            }
+            Metering::Following => self.model.exposure = adapted(self.model.exposure, auto_exposure(&frame.color), elapsed),
         }
     }
 

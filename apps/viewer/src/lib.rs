@@ -15,6 +15,7 @@ mod frames;
 mod hand_tests;
 mod headless;
 mod layout;
+mod metering;
 mod model;
 mod options;
 mod paint;

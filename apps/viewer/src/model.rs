@@ -4,6 +4,7 @@ use crate::camera::Rig;
 use crate::errors;
 use crate::frames::{self, Frames};
 use crate::layout::{Layout, Pane};
+use crate::metering::Metering;
 use crate::reference::{self, Reference};
 use crate::selection::Selection;
 use crate::show::{Develop, Show, curve};
@@ -52,8 +53,8 @@ pub(crate) struct Model {
     pub coarseness: u32,
     /// Stops.
     pub exposure: f32,
-    /// Exposure is to be found from the next frame.
-    pub expose: bool,
+    /// Who sets it.
+    pub metering: Metering,
     /// Number of the frame: random numbers depend on it.
     pub frame: u32,
     /// The reference is path traced.
@@ -101,7 +102,7 @@ impl Default for Model {
             heat_full: 0.5,
             coarseness: 1,
             exposure: 0.0,
-            expose: false,
+            metering: Metering::Fixed,
             frame: 0,
             judging: true,
             spp: 256,
@@ -145,7 +146,9 @@ impl Model {
             self.show = Show::default();
         }
         self.exposure = stage.scene.exposure.unwrap_or(0.0);
-        self.expose = stage.scene.exposure.is_none();
+        if self.metering != Metering::Following {
+            self.metering = if stage.scene.exposure.is_none() { Metering::Once } else { Metering::Fixed };
+        }
         self.evaluate(&stage);
         if self.rig.is_none() {
             self.rig = self.moment.as_ref().map(|moment| Rig::new(&moment.snapshot.cameras[0], moment.bounds));
@@ -173,6 +176,12 @@ impl Model {
             // Lights have other numbers now.
             self.show = Show::default();
         }
+    }
+
+    /// Lets another set the exposure; the next frame is rendered for it to meter.
+    pub fn meter(&mut self, metering: Metering) {
+        self.metering = metering;
+        self.frame = self.frame.wrapping_add(1);
     }
 
     /// What is to be seen; `None` without a scene or without a window.
@@ -211,13 +220,15 @@ impl Model {
     pub fn reference_question(&self) -> Option<reference::Question> {
         let wanted = self.judging || self.layout.shows(Pane::Reference);
         let shot = self.shot().filter(|_| wanted)?;
-        Some(reference::Question { shot, role: self.selection.judged, spp: self.spp })
+        Some(reference::Question { shot, role: self.selection.judged, light: self.selection.light(), spp: self.spp })
     }
 
     /// The reference, when it is one of what is seen now.
     pub fn current_reference(&self) -> Option<&Reference> {
         let (reference, question) = (self.reference.as_ref()?, self.reference_question()?);
-        let same = reference.question.shot == question.shot && reference.question.role == question.role;
+        let same = reference.question.shot == question.shot
+            && reference.question.role == question.role
+            && reference.question.light == question.light;
         same.then_some(reference)
     }
 

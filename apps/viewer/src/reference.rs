@@ -7,7 +7,7 @@ use crate::stage::{Moment, Shot, sentence, serial};
 use crate::worker::{Desk, Wake, Worker};
 use kajo_image::Image;
 use kajo_lab::judge::Judge;
-use kajo_lab::{ReferencePlan, ambient_distance, judged_lights};
+use kajo_lab::{Pictured, ReferencePlan, ambient_distance, judged_lights};
 use kajo_path_tracer::{Control, Film, PathTracerError, Progress, Settings, Stop, Tracer, render};
 use kajo_techniques::Role;
 use kajo_units::LinearRgb;
@@ -21,6 +21,8 @@ pub(crate) struct Question {
     pub shot: Shot,
     /// The role.
     pub role: Role,
+    /// The light of its picture.
+    pub light: Pictured,
     /// Samples per pixel to end at.
     pub spp: u32,
 }
@@ -45,7 +47,7 @@ pub(crate) struct Reference {
     pub judge: Arc<Judge>,
     /// Indices of the lights that are judged.
     pub lights: Vec<usize>,
-    /// The picture that a perfect technique would give: what emits, and the light that the real-time renderer simulates.
+    /// The picture with the light that the question asks for.
     pub picture: Image<LinearRgb>,
     /// Other passes have another one.
     pub serial: u64,
@@ -94,7 +96,7 @@ fn trace(kept: &mut Option<(Arc<Moment>, Tracer)>, question: &Question, desk: &D
         desk.answer(Answer::Failed(format!("there is nothing to judge: the scene has no light for the role {title}")));
         return Ok(());
     };
-    let plan = plan.with_picture();
+    let plan = plan.with_picture(question.light);
     let lights = judged_lights(tracer);
     desk.answer(Answer::Lights(lights.clone()));
     let base = Settings { size: *size, ambient_distance: ambient_distance(moment.bounds), ..Settings::default() };
@@ -121,7 +123,7 @@ impl Control for Watch<'_> {
     fn pass(&self, film: &Film) {
         let frame = film.develop();
         let Some(judge) = self.plan.judges(self.tracer, &frame).remove(self.question.role.id()) else { return };
-        let picture = self.plan.picture(self.tracer, &frame).unwrap_or_else(|| frame.beauty().clone());
+        let picture = self.plan.picture(&frame).unwrap_or_else(|| frame.beauty().clone());
         self.desk.answer(Answer::Reference(Box::new(Reference {
             question: self.question.clone(),
             judge: Arc::new(judge),

@@ -2,9 +2,10 @@
 //!
 //! Everything here comes from the registry of techniques: no technique is known by name.
 
+use kajo_lab::Pictured;
 use kajo_params::ParamValues;
 use kajo_renderer::RoleSelection;
-use kajo_techniques::{Role, Technique};
+use kajo_techniques::{Role, Technique, default_of};
 use std::collections::BTreeMap;
 
 /// A technique with its parameters.
@@ -59,7 +60,7 @@ pub(crate) fn judged_roles() -> impl Iterator<Item = Role> {
 
 impl Default for Selection {
     fn default() -> Self {
-        let default = |role| Some((role, Choice::new(kajo_techniques::default_of(role)?)));
+        let default = |role| Some((role, Choice::new(default_of(role)?)));
         let judged = judged_roles().next().expect("a role that is filled and judged");
         Self { chosen: filled_roles().filter_map(default).collect(), judged, rival: Self::first_rival(judged) }
     }
@@ -68,7 +69,7 @@ impl Default for Selection {
 impl Selection {
     /// The first technique of a role that is not its default.
     fn first_rival(role: Role) -> Choice {
-        let default = kajo_techniques::default_of(role).map(|technique| technique.id);
+        let default = default_of(role).map(|technique| technique.id);
         let other = kajo_techniques::of_role(role).find(|technique| Some(technique.id) != default);
         Choice::new(other.or_else(|| kajo_techniques::of_role(role).next()).expect("a filled role"))
     }
@@ -83,6 +84,14 @@ impl Selection {
     /// The choice that is judged.
     pub fn champion(&self) -> &Choice {
         &self.chosen[&self.judged]
+    }
+
+    /// The light that a picture of side A aims at: all of it once a technique gathers what has bounced, else what lights and the environment give straight.
+    pub fn light(&self) -> Pictured {
+        let bounces = [Role::DiffuseIndirect, Role::SpecularIndirect];
+        let gathers =
+            |role: &Role| self.chosen.get(role).map(|choice| choice.technique.id) != default_of(*role).map(|technique| technique.id);
+        if bounces.contains(&self.judged) || bounces.iter().any(gathers) { Pictured::Whole } else { Pictured::Direct }
     }
 
     /// For the renderer: side A.
@@ -104,7 +113,7 @@ mod tests {
     fn every_filled_role_has_its_default_and_the_rival_is_another() {
         let selection = Selection::default();
         for role in filled_roles() {
-            assert_eq!(selection.chosen[&role].technique.id, kajo_techniques::default_of(role).unwrap().id);
+            assert_eq!(selection.chosen[&role].technique.id, default_of(role).unwrap().id);
         }
         assert_ne!(selection.rival.technique.id, selection.champion().technique.id);
         assert_eq!(selection.rival.technique.role, selection.judged);

@@ -58,6 +58,23 @@ fn every_window_picture_and_technique_can_be_shown() {
     run(&script).unwrap();
 }
 
+/// Exposure that follows comes to rest where the mean is middle grey, in the light of all lamps and in the dark of one less.
+#[test]
+fn exposure_follows_what_is_seen() {
+    let exposure = |text: &str| {
+        let mut app = App::new();
+        run_with(&mut app, &format!("open builtin:shadows\nwait\n{text}\nwait\nexpect quiet")).unwrap();
+        let frames = app.model.frames.as_ref().unwrap();
+        (app.model.exposure, kajo_image::auto_exposure(&frames.sides[0].as_ref().unwrap().color))
+    };
+    let (bright, metered) = exposure("exposure auto");
+    assert!((bright - metered).abs() < 0.06, "{bright} {metered}");
+    let (dark, metered) = exposure("exposure auto\nwait\nlight 0 off");
+    assert!((dark - metered).abs() < 0.06, "{dark} {metered}");
+    assert!(dark > bright + 0.2, "{dark} {bright}");
+    assert_eq!(exposure("exposure auto\nwait\nexposure -1").0, -1.0);
+}
+
 #[test]
 fn broken_files_and_foreign_ones_are_told_and_the_scene_stays() {
     let folder = tempfile::tempdir().unwrap();

@@ -29,6 +29,6 @@ pub use look::Look;
 pub use measure::take;
 pub use options::{CompareOptions, ReferenceStop, quoted};
 pub use progress::{Progress, Unwatched};
-pub use reference::{ReferencePlan, judged_lights, judged_roles};
+pub use reference::{Pictured, ReferencePlan, judged_lights, judged_roles};
 pub use staging::Staging;
 pub use subject::ambient_distance;

@@ -140,7 +140,7 @@ fn rendering(
     progress: &dyn Progress,
     share: &(dyn Fn(f64) -> f64 + Sync),
 ) -> Result<Option<Judged>, LabError> {
-    let plan = ReferencePlan { recipes: recipes.to_vec(), picture: false };
+    let plan = ReferencePlan { recipes: recipes.to_vec(), picture: None };
     let settings = plan.settings(tracer, base);
     let control = |p: &kajo_path_tracer::Progress| {
         progress.at("reference", share(f64::from(p.fraction)));
@@ -171,20 +171,29 @@ fn rendering(
 #[derive(Clone, Debug)]
 pub struct ReferencePlan {
     recipes: Vec<Recipe>,
-    /// The whole picture is wanted, too.
-    picture: bool,
+    /// A picture is wanted, too.
+    picture: Option<Pictured>,
+}
+
+/// The light in a picture beside the images of roles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pictured {
+    /// What emits, and light that bounced once.
+    Direct,
+    /// All of it.
+    Whole,
 }
 
 impl ReferencePlan {
     /// The judge of a role, by id; `None` where the scene has nothing to judge it by.
     pub fn new(tracer: &Tracer, role: &str) -> Option<Self> {
         let recipe = RECIPES.into_iter().find(|r| r.role == role && r.applies(tracer))?;
-        Some(Self { recipes: vec![recipe], picture: false })
+        Some(Self { recipes: vec![recipe], picture: None })
     }
 
     /// The same, with what [`Self::picture`] is made of.
-    pub fn with_picture(self) -> Self {
-        Self { picture: true, ..self }
+    pub fn with_picture(self, light: Pictured) -> Self {
+        Self { picture: Some(light), ..self }
     }
 
     /// `base` with the images that the judges are made of, sampled as the role is judged.
@@ -192,15 +201,16 @@ impl ReferencePlan {
         let recipes = &self.recipes;
         let mut aovs: Vec<Aov> =
             recipes.iter().flat_map(|r| (r.images)(tracer).into_iter().chain(r.composed.then_some(Aov::Direct))).collect();
-        if self.picture || recipes.iter().any(|r| r.composed || r.picture) {
+        if recipes.iter().any(|r| r.composed || r.picture) {
             aovs.extend(not_simulated_direct(tracer));
         }
-        if self.picture {
+        if self.picture.is_some() {
             let missing = [Aov::Emission, Aov::Direct].into_iter().filter(|aov| !aovs.contains(aov));
             aovs.extend(missing.collect::<Vec<_>>());
         }
         aovs.push(Aov::Coverage);
-        let integrator = if recipes.iter().any(|r| r.indirect) { Integrator::Path } else { Integrator::Direct };
+        let bounces = self.picture == Some(Pictured::Whole) || recipes.iter().any(|r| r.indirect);
+        let integrator = if bounces { Integrator::Path } else { Integrator::Direct };
         Settings { integrator, filter: recipes[0].filter, aovs, ..base.clone() }
     }
 
@@ -212,12 +222,17 @@ impl ReferencePlan {
         judges(tracer, &self.recipes, frame)
     }
 
-    /// The picture of a real-time renderer without error: what emits, and the direct light that is simulated. Needs [`Self::with_picture`].
-    pub fn picture(&self, tracer: &Tracer, frame: &Frame) -> Option<Image<LinearRgb>> {
+    /// The picture with the light that [`Self::with_picture`] asked for; `None` where it did not.
+    pub fn picture(&self, frame: &Frame) -> Option<Image<LinearRgb>> {
         let image = |aov: Aov| frame.image(&aov.to_string()).map(|image| image.pixels.to_color());
-        let (emission, light) = (image(Aov::Emission)?, simulated(tracer, frame, &image(Aov::Direct)?));
-        let sum = emission.pixels().iter().zip(light.pixels()).map(|(a, b)| *a + *b);
-        Some(Image::from_pixels(emission.size(), sum.collect()))
+        match self.picture? {
+            Pictured::Whole => Some(frame.beauty().clone()),
+            Pictured::Direct => {
+                let (emission, light) = (image(Aov::Emission)?, image(Aov::Direct)?);
+                let sum = emission.pixels().iter().zip(light.pixels()).map(|(a, b)| *a + *b);
+                Some(Image::from_pixels(emission.size(), sum.collect()))
+            }
+        }
     }
 }
 
@@ -354,19 +369,21 @@ mod tests {
         assert!(gains.len() > 32 * 24 / 2 && mean.abs() < 0.005, "{} surfaces gain {mean}", gains.len());
     }
 
-    /// Caught when a plan forgets an image, or counts light twice: with nothing left out the picture is what the path tracer sees with one bounce.
+    /// Caught when a plan forgets an image, or counts light twice: the picture of direct light is what the path tracer sees with one bounce.
     #[test]
     fn a_plan_with_a_picture_judges_as_the_references_do() {
         let tracer = tracer("builtin:shadows");
         for role in judged_roles() {
-            let plan = ReferencePlan::new(&tracer, role).unwrap().with_picture();
+            let plan = ReferencePlan::new(&tracer, role).unwrap().with_picture(Pictured::Direct);
             let settings = plan.settings(&tracer, &settings());
             let frame = render(&tracer, &settings, Stop::at_spp(4), None, &kajo_path_tracer::uncontrolled).unwrap().develop();
             let judge = &plan.judges(&tracer, &frame)[role];
             let expected = &render_all(&tracer, &[role], ReferenceStop::Spp(4)).judges[role];
             assert_eq!(judge.stacked(), expected.stacked(), "{role}");
-            let picture = plan.picture(&tracer, &frame).unwrap();
-            if settings.integrator == Integrator::Direct && not_simulated_direct(&tracer).is_empty() {
+            let picture = plan.picture(&frame).unwrap();
+            let whole = ReferencePlan::new(&tracer, role).unwrap().with_picture(Pictured::Whole);
+            assert_eq!(whole.settings(&tracer, &settings).integrator, Integrator::Path);
+            if settings.integrator == Integrator::Direct {
                 let largest = picture.pixels().iter().zip(frame.beauty().pixels()).map(|(a, b)| (*a - *b).0.abs().max_element());
                 assert!(largest.fold(0.0, f32::max) < 1e-4, "{role}");
             }

@@ -1,6 +1,7 @@
 //! What the window shows: strips, picture, size, exposure.
 
 use crate::layout::{Layout, PRESETS};
+use crate::metering::Metering;
 use crate::model::Model;
 use crate::show::{CHANNELS, Show};
 use egui::{ComboBox, Slider, Ui};
@@ -30,10 +31,16 @@ pub(crate) fn show(ui: &mut Ui, model: &mut Model) {
     });
     labelled(ui, "exposure", |ui| {
         ui.spacing_mut().slider_width = (ui.available_width() - 130.0).max(60.0);
-        ui.add(Slider::new(&mut model.exposure, -16.0..=16.0).suffix(" stops").max_decimals(1));
-        if ui.button("auto").on_hover_text("Middle grey for the mean of the next frame").clicked() {
-            model.expose = true;
-            model.frame = model.frame.wrapping_add(1);
+        // Sliders round what they show.
+        let rounded = (model.exposure * 10.0).round() / 10.0;
+        let mut shown = rounded;
+        ui.add(Slider::new(&mut shown, -16.0..=16.0).suffix(" stops").max_decimals(1));
+        if (shown - rounded).abs() > 0.01 {
+            (model.exposure, model.metering) = (shown, Metering::Fixed);
+        }
+        let mut follows = model.metering == Metering::Following;
+        if ui.toggle_value(&mut follows, "auto").on_hover_text("Middle grey for the mean of what is seen, as it changes").changed() {
+            model.meter(if follows { Metering::Following } else { Metering::Fixed });
         }
     });
 }

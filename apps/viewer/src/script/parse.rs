@@ -41,8 +41,8 @@ pub(crate) enum Step {
     Coarseness(u32),
     /// Samples of the reference.
     Samples(u32),
-    /// Stops.
-    Exposure(f32),
+    /// Stops; `None` lets it follow what is seen.
+    Exposure(Option<f32>),
     /// Switches a light on or off, by index.
     Light(usize, bool),
     /// Takes the rendering device away.
@@ -110,7 +110,8 @@ fn step(line: &str) -> Result<Step, String> {
         ("look", [from, at]) => Step::Look(point(from)?, point(at)?),
         ("coarseness", [side]) => Step::Coarseness(number::<u32>(side)?.max(1)),
         ("samples", [count]) => Step::Samples(number::<u32>(count)?.max(1)),
-        ("exposure", [stops]) => Step::Exposure(number(stops)?),
+        ("exposure", ["auto"]) => Step::Exposure(None),
+        ("exposure", [stops]) => Step::Exposure(Some(number(stops)?)),
         ("light", [index, "on"]) => Step::Light(number(index)?, true),
         ("light", [index, "off"]) => Step::Light(number(index)?, false),
         ("lose-device", []) => Step::LoseDevice,

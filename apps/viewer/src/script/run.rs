@@ -5,6 +5,7 @@ use crate::Error;
 use crate::app::App;
 use crate::camera::Rig;
 use crate::layout::Layout;
+use crate::metering::Metering;
 use crate::model::Model;
 use crate::save;
 use crate::show::{CHANNELS, Show};
@@ -139,7 +140,8 @@ fn apply(step: &Step, model: &mut Model) -> Result<(), String> {
         Step::Look(from, at) => rig(model)?.look_at(*from, *at),
         Step::Coarseness(side) => model.coarseness = *side,
         Step::Samples(count) => model.spp = *count,
-        Step::Exposure(stops) => (model.exposure, model.expose) = (*stops, false),
+        Step::Exposure(Some(stops)) => (model.exposure, model.metering) = (*stops, Metering::Fixed),
+        Step::Exposure(None) => model.meter(Metering::Following),
         Step::Light(index, on) => {
             if *on {
                 model.dark.remove(index)

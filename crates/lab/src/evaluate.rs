@@ -2,7 +2,7 @@
 
 use crate::LabError;
 use crate::html::{CropPictures, ReferencePictures, RunPictures};
-use crate::judge::{Judge, Kind, Take};
+use crate::judge::{Judge, Kind, Part, Take};
 use crate::report::{Candidate, ComposedError, LightError, RunError, Temporal};
 use glam::UVec2;
 use kajo_image::{ExrFile, Image, Layer};
@@ -115,7 +115,7 @@ fn borders(judge: &Judge, take: &Take, error: &mut RunError) -> Result<(), Metri
     let (mut off, mut mismatches, mut border, mut border_error) = (0, 0, 0, 0.0);
     let mut distances = Vec::new();
     for (part, image) in judge.parts.iter().zip(&take.parts) {
-        let result = shadow_border(&scalar(image), &scalar(&part.image), judge.mask.as_ref())?;
+        let result = shadow_border(&scalar(image), &scalar(&part.image), counted(judge, part).as_ref())?;
         off += result.off_border_pixels;
         mismatches += result.off_border_mismatches;
         border += result.border_pixels;
@@ -133,6 +133,17 @@ fn borders(judge: &Judge, take: &Take, error: &mut RunError) -> Result<(), Metri
     error.border_error = Some(border_error / border.max(1) as f64);
     error.border_px = (!distances.is_empty()).then(|| distances.iter().sum::<f64>() / distances.len() as f64);
     Ok(())
+}
+
+/// Pixels that show a surface, and of which it is known whether they lie on a border of the shadow.
+fn counted(judge: &Judge, part: &Part) -> Option<Image<bool>> {
+    match (&judge.mask, &part.settled) {
+        (Some(mask), Some(settled)) => {
+            let pairs = mask.pixels().iter().zip(settled.pixels());
+            Some(Image::from_pixels(mask.size(), pairs.map(|(surface, settled)| *surface && *settled).collect()))
+        }
+        (mask, settled) => mask.clone().or_else(|| settled.clone()),
+    }
 }
 
 fn composed(judge: &Judge, takes: &[Take]) -> Result<Option<ComposedError>, MetricsError> {

@@ -7,6 +7,7 @@ use crate::measure::{Measured, Seen, WARM_UP_FRAMES, measure};
 use crate::plan::{Choice, Plan, plan};
 use crate::reference::{MAX_LIGHTS, References, judged_lights, references};
 use crate::report::{Candidate, DeviceEntry, OK, ReferenceEntry, Report, Run, Settings, Temporal, decide, to_csv};
+use crate::settled::settle;
 use crate::staging::{MANIFEST, PAGE, Staging};
 use crate::subject::Subject;
 use crate::temporal::Sequences;
@@ -131,7 +132,10 @@ impl Experiment<'_> {
         let reference_share = |f: f64| share(f * REFERENCE_SHARE);
         let rendered =
             self.pool.install(|| references(&tracer, &roles, &settings, self.options.reference, self.progress, &reference_share))?;
-        let Some(references) = rendered else { return Ok(false) };
+        let Some(mut references) = rendered else { return Ok(false) };
+        if let Some(judge) = references.judges.get_mut(Role::DirectVisibility.id()) {
+            self.pool.install(|| settle(judge, &tracer, &settings))?;
+        }
         self.warn_about(&subject, &references, tracer.visibility_light_names().count());
 
         let mut sequences = None;

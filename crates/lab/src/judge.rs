@@ -48,6 +48,9 @@ pub struct Part {
     pub image: Image<LinearRgb>,
     /// Variance of their means; `None` when it is not known.
     pub variance: Option<Image<LinearRgb>>,
+    /// Role direct visibility: false where a border of the shadow runs between the centres of pixels, unseen by `image`; such pixels are neither on a border nor
+    /// away from it. `None` where nobody looked.
+    pub settled: Option<Image<bool>>,
 }
 
 /// What a technique gave for one seed.

@@ -18,6 +18,7 @@ mod progress;
 mod reference;
 pub mod render_cost;
 pub mod report;
+mod settled;
 mod staging;
 pub mod study;
 mod subject;

@@ -22,8 +22,8 @@ pub type Plan = Vec<(Role, Vec<Choice>)>;
 /// # Errors
 /// Unknown names with the nearest one, values out of range, roles that no image of the path tracer judges, nothing to run.
 pub fn plan(options: &CompareOptions) -> Result<Plan, LabError> {
-    let choice = |text: &String| kajo_techniques::parse(text).map(|(technique, params)| Choice { technique, params });
-    let chosen = options.techniques.iter().map(choice).collect::<Result<Vec<_>, _>>()?;
+    let choice = |text: &str| kajo_techniques::parse(text).map(|(technique, params)| Choice { technique, params });
+    let chosen = options.techniques.iter().flat_map(|list| kajo_techniques::split_list(list)).map(choice).collect::<Result<Vec<_>, _>>()?;
     let roles = if options.roles.is_empty() { default_roles(&chosen) } else { named_roles(&options.roles)? };
     if let Some(stray) = chosen.iter().find(|c| !roles.contains(&c.technique.role)) {
         let reason = format!("{} fills the role {}, which --role leaves out", stray.technique.id, stray.technique.role.id());
@@ -108,10 +108,12 @@ mod tests {
 
     #[test]
     fn one_technique_may_come_with_several_parameters() {
-        let plan = plan(&options(&[], &["shadow/ray-traced:samples=2", "shadow/ray-traced"])).unwrap();
-        assert_eq!((plan.len(), plan[0].1.len()), (1, 2));
-        assert_eq!(plan[0].1[0].changed_params(), ["samples"]);
-        assert!(plan[0].1[1].changed_params().is_empty());
+        for list in [&["shadow/ray-traced:samples=2", "shadow/ray-traced"][..], &["shadow/ray-traced:samples=2,shadow/ray-traced"]] {
+            let plan = plan(&options(&[], list)).unwrap();
+            assert_eq!((plan.len(), plan[0].1.len()), (1, 2));
+            assert_eq!(plan[0].1[0].changed_params(), ["samples"]);
+            assert!(plan[0].1[1].changed_params().is_empty());
+        }
     }
 
     #[test]

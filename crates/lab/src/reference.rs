@@ -258,7 +258,7 @@ fn judges(tracer: &Tracer, recipes: &[Recipe], frame: &Frame) -> BTreeMap<&'stat
     let part = |aov: &str| {
         let image = frame.image(aov).expect("an image that was asked for");
         let variance = image.variance.as_ref().map(Pixels::to_color).filter(|v| v.pixels().iter().all(|p| p.is_finite()));
-        Part { name: image.name.clone(), image: image.pixels.to_color(), variance }
+        Part { name: image.name.clone(), image: image.pixels.to_color(), variance, settled: None }
     };
     let judge = |recipe: &Recipe| Judge {
         parts: if recipe.picture {

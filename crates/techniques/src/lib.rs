@@ -65,6 +65,15 @@ pub fn parse(text: &str) -> Result<(&'static Technique, ParamValues), Error> {
     Ok((technique, technique.parse_params(&pairs.collect::<Vec<_>>())?))
 }
 
+/// Takes a list `ID[:param=value,…],ID…` apart: techniques and parameters are parted by commas alike, and an id is what has a slash before any `=`.
+pub fn split_list(text: &str) -> Vec<&str> {
+    let is_id = |piece: &str| piece.split(['=', ':']).next().is_some_and(|name| name.contains('/'));
+    let commas = text.match_indices(',').map(|(at, _)| at);
+    let ends: Vec<usize> = commas.filter(|at| is_id(text[at + 1..].split(',').next().unwrap_or_default())).collect();
+    let starts = std::iter::once(0).chain(ends.iter().map(|end| end + 1));
+    starts.zip(ends.iter().copied().chain([text.len()])).map(|(start, end)| &text[start..end]).collect()
+}
+
 /// What a role gets where nobody chooses.
 pub fn default_of(role: Role) -> Option<&'static Technique> {
     let preferred = match role {

@@ -48,6 +48,18 @@ fn every_citation_is_in_the_bibliography() {
 }
 
 #[test]
+fn lists_are_parted_where_an_id_begins() {
+    assert_eq!(split_list("shadow/map"), ["shadow/map"]);
+    assert_eq!(split_list("shadow/map,shadow/none"), ["shadow/map", "shadow/none"]);
+    assert_eq!(
+        split_list("shadow/map:resolution=512,kernel=3,shadow/none,aa/taa:blend=0.2"),
+        ["shadow/map:resolution=512,kernel=3", "shadow/none", "aa/taa:blend=0.2"]
+    );
+    assert_eq!(split_list("shadow/x:file=a/b,c=d/e"), ["shadow/x:file=a/b,c=d/e"]);
+    assert_eq!(split_list(""), [""]);
+}
+
+#[test]
 fn every_module_and_its_structs_fit() {
     for backend in [TraceBackend::RayQuery, TraceBackend::Compute] {
         for bindless in [true, false] {

@@ -252,8 +252,8 @@ pub struct Compare {
     /// Roles to compare, separated by commas [default: every role that has techniques]
     #[arg(long, value_name = "ROLE", value_delimiter = ',')]
     pub role: Vec<String>,
-    /// Techniques to compare, with parameters; may be given several times
-    #[arg(long, value_name = "ID[:param=value,…]")]
+    /// Techniques to compare, with parameters, separated by commas; may be given several times
+    #[arg(long, value_name = "ID[:param=value,…],…")]
     pub technique: Vec<String>,
     /// Every technique of the roles (what happens without --technique, too)
     #[arg(long, conflicts_with = "technique")]

@@ -16,6 +16,7 @@ fn judge() -> Judge {
         name: format!("visibility.{name}"),
         image: shadow(center),
         variance: Some(shadow(center).map(|_| LinearRgb::BLACK)),
+        settled: None,
     };
     Judge { parts: vec![part("Key", 20.0), part("Fill", 40.0)], mask: None, kind: Kind::Visibility, composed: None }
 }
@@ -82,7 +83,7 @@ fn a_nan_of_a_technique_names_the_run() {
 #[test]
 fn composed_picture_is_a_second_number() {
     let mut judge = judge();
-    let part = Part { name: "direct".into(), image: shadow(20.0).map(|p| *p * 3.0), variance: None };
+    let part = Part { name: "direct".into(), image: shadow(20.0).map(|p| *p * 3.0), variance: None, settled: None };
     judge.composed = Some(Composed { part, simulated: Some(shadow(20.0).map(|p| *p * 3.3)) });
     let mut take = exact();
     take.composed = Some(shadow(20.0).map(|p| *p * 3.3));

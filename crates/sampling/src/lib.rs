@@ -15,6 +15,7 @@ pub mod resampling;
 mod rng;
 mod sampler;
 mod sobol;
+mod spherical_harmonics;
 pub mod statistics;
 mod steps;
 pub mod warp;
@@ -27,6 +28,7 @@ pub use mis::{balance_heuristic, power_heuristic};
 pub use rng::Rng;
 pub use sampler::{Sampler, SamplerKind};
 pub use sobol::sobol_2d;
+pub use spherical_harmonics::{SH_COUNT, ShRadiance, sh_basis, sh_cosine_basis};
 pub use steps::Steps;
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! [`link`] resolves the imports of a root file against the library, lets naga validate the result and reads from it what Rust needs
 //! to know: bindings by name, entry points, struct layouts, overrides. Every error names the WESL file, line and message.
 //! A shared function has the name, argument order and equation comment of its Rust twin; tests compare the two on a GPU. Twins that
-//! have no other home are here: [`camera`], [`light`], [`packing`], [`random`].
+//! have no other home are here: [`camera`], [`emission`], [`light`], [`packing`], [`random`].
 //!
 //! ```
 //! let source = "
@@ -22,6 +22,7 @@ extern crate self as kajo_shader_lib;
 
 pub mod camera;
 mod diagnose;
+pub mod emission;
 mod error;
 mod layout;
 mod library;

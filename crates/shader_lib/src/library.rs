@@ -28,6 +28,7 @@ pub const MODULES: &[Module] = modules![
     "bsdf/thin_film",
     "camera",
     "color",
+    "emission",
     "light",
     "math",
     "models/geometry",
@@ -38,6 +39,7 @@ pub const MODULES: &[Module] = modules![
     "models/tabulated",
     "packing",
     "random",
+    "spherical_harmonics",
     "tone_map",
     "warp",
 ];

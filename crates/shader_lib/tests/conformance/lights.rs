@@ -5,6 +5,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 use kajo_render_graph::Device;
 use kajo_sampling::Rng;
 use kajo_scene::{Light, LightShape, PlacedLight};
+use kajo_shader_lib::emission::emission_sample;
 use kajo_shader_lib::light::{GpuLight, LightSample, light_center, light_sample};
 use kajo_units::{LinearRgb, Meters, Radians};
 
@@ -22,6 +23,25 @@ fn flat(s: LightSample) -> [f32; 7] {
     [s.wi.x, s.wi.y, s.wi.z, s.distance, s.irradiance.x, s.irradiance.y, s.irradiance.z]
 }
 
+/// The light as an expression of WGSL, bit for bit.
+fn literal(light: &GpuLight) -> String {
+    let words: Vec<String> = bytemuck::cast_slice::<GpuLight, u32>(&[*light]).iter().map(|word| format!("{word}u")).collect();
+    let vector = |at: usize| format!("bitcast<vec3f>(vec3u({}, {}, {}))", words[at], words[at + 1], words[at + 2]);
+    let float = |at: usize| format!("bitcast<f32>({})", words[at]);
+    format!(
+        "Light({}, {}, {}, {}, {}, {}, {}, {}, {}, 0.0, 0u, 0u, 0u, 0u)",
+        vector(0),
+        words[3],
+        vector(4),
+        float(7),
+        vector(8),
+        float(11),
+        vector(12),
+        float(15),
+        vector(16)
+    )
+}
+
 #[test]
 fn lights_match() {
     let place = Affine3A::from_scale_rotation_translation(Vec3::new(1.5, 2.0, 1.0), Quat::from_rotation_y(0.8), Vec3::new(0.2, 1.0, -0.4));
@@ -33,21 +53,7 @@ fn lights_match() {
         let rows: Vec<[f32; 5]> = (0..1500)
             .map(|_| [rng.next_1d(), rng.next_1d(), 6.0 * rng.next_1d() - 3.0, 6.0 * rng.next_1d() - 3.0, 6.0 * rng.next_1d() - 3.0])
             .collect();
-        let words: Vec<String> = bytemuck::cast_slice::<GpuLight, u32>(&[light]).iter().map(|word| format!("{word}u")).collect();
-        let vector = |at: usize| format!("bitcast<vec3f>(vec3u({}, {}, {}))", words[at], words[at + 1], words[at + 2]);
-        let float = |at: usize| format!("bitcast<f32>({})", words[at]);
-        let value = format!(
-            "Light({}, {}, {}, {}, {}, {}, {}, {}, {}, 0.0, 0u, 0u, 0u, 0u)",
-            vector(0),
-            words[3],
-            vector(4),
-            float(7),
-            vector(8),
-            float(11),
-            vector(12),
-            float(15),
-            vector(16)
-        );
+        let value = literal(&light);
         let shader = format!(
             "import shader_lib::light::{{Light, light_sample, light_center}};
             fn eval(x: array<f32, 5>) -> array<f32, 14> {{
@@ -65,6 +71,32 @@ fn lights_match() {
         };
         // At grazing angles the distance to a sphere is the root of a small difference.
         conform(&format!("light {shape:?}"), &shader, &rows, twin, Tolerance { relative: 1e-3, absolute: 2e-4 });
+    }
+}
+
+#[test]
+fn emissions_match() {
+    let place = Affine3A::from_scale_rotation_translation(Vec3::new(1.5, 2.0, 1.0), Quat::from_rotation_y(0.8), Vec3::new(0.2, 1.0, -0.4));
+    let mut rng = Rng::new(9);
+    for shape in SHAPES {
+        let light = Light { name: String::new(), shape, emission: LinearRgb::new(3.0, 2.0, 1.0) };
+        let light = GpuLight::new(&PlacedLight { light, world_from_light: place }, Vec3::ZERO);
+        let rows: Vec<[f32; 4]> = (0..1500).map(|_| [rng.next_1d(), rng.next_1d(), rng.next_1d(), rng.next_1d()]).collect();
+        let (center, radius) = (Vec3::new(0.3, -0.2, 0.5), 4.0);
+        let shader = format!(
+            "import shader_lib::emission::emission_sample;
+            import shader_lib::light::Light;
+            fn eval(x: array<f32, 4>) -> array<f32, 9> {{
+                let e = emission_sample({}, vec2f(x[0], x[1]), vec2f(x[2], x[3]), vec3f(0.3, -0.2, 0.5), 4.0);
+                return array(e.origin.x, e.origin.y, e.origin.z, e.direction.x, e.direction.y, e.direction.z, e.flux.x, e.flux.y, e.flux.z);
+            }}",
+            literal(&light)
+        );
+        let twin = |x: [f32; 4]| -> [f32; 9] {
+            let e = emission_sample(&light, Vec2::new(x[0], x[1]), Vec2::new(x[2], x[3]), center, radius);
+            [e.origin, e.direction, e.flux].map(|v| v.to_array()).concat().try_into().expect("nine numbers")
+        };
+        conform(&format!("emission {shape:?}"), &shader, &rows, twin, Tolerance { relative: 1e-4, absolute: 2e-5 });
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::compare::{Tolerance, conform};
 use glam::{UVec2, Vec2, Vec3};
-use kajo_sampling::{Frame, Rng, hammersley_2d, warp};
+use kajo_sampling::{Frame, Rng, hammersley_2d, sh_basis, sh_cosine_basis, warp};
 use kajo_shader_lib::{camera, packing, random};
 
 /// Points of the unit square: a grid with the borders, and random ones.
@@ -129,4 +129,19 @@ fn camera_helpers_match() {
         [camera::depth_from_distance(x[0] + 0.1, 0.1), camera::distance_from_depth(x[0], 0.1), back.x, back.y, ray.x, ray.y, ray.z]
     };
     conform("camera", shader, &unit_square(), twin, Tolerance { relative: 1e-4, absolute: 1e-4 });
+}
+
+#[test]
+fn spherical_harmonics_match() {
+    let shader = "import shader_lib::spherical_harmonics::{sh_basis, sh_cosine_basis};
+        fn eval(x: array<f32, 3>) -> array<f32, 18> {
+            let a = sh_basis(vec3f(x[0], x[1], x[2]));
+            let b = sh_cosine_basis(vec3f(x[0], x[1], x[2]));
+            return array(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7], b[8]);
+        }";
+    let twin = |x: [f32; 3]| -> [f32; 18] {
+        let (a, b) = (sh_basis(Vec3::from_array(x)), sh_cosine_basis(Vec3::from_array(x)));
+        std::array::from_fn(|i| if i < 9 { a[i] } else { b[i - 9] })
+    };
+    conform("spherical harmonics", shader, &directions(), twin, Tolerance::USUAL);
 }

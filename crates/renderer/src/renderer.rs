@@ -476,6 +476,7 @@ impl Renderer {
             snapshot: &self.current,
             bounds: self.boxes.world,
             ambient_distance: settings.ambient_distance,
+            environment_light: settings.environment_light,
             debug: settings.debug,
             exposure: settings.exposure.or(self.scene.exposure).unwrap_or(0.0),
             shared: self.trace.bind(self.textures.bind(self.lights.bind(self.environment.bind(shared)))),

@@ -152,6 +152,8 @@ pub struct FrameContext<'a> {
     pub exposure: f32,
     /// Role ambient visibility: how far a surface blocks, m; infinite where everything does.
     pub ambient_distance: f32,
+    /// The environment lights surfaces.
+    pub environment_light: bool,
     /// Pictures of the technique's inner workings are wanted: see [`Effect::debug_views`](crate::Effect::debug_views).
     pub debug: bool,
     /// What the shared modules declare, by name: frame, scene, lights, trace.

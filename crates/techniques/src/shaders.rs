@@ -12,6 +12,7 @@ macro_rules! files {
 pub const FILES: &[SourceFile<'static>] = files![
     "chebyshev",
     "depth_map",
+    "emission",
     "environment",
     "frame",
     "gbuffer",

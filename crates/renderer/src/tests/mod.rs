@@ -11,6 +11,7 @@ mod environment;
 mod gbuffer;
 mod hit;
 mod hybrids;
+mod indirect;
 mod lighting;
 mod map_family;
 mod model_twins;

@@ -2,9 +2,19 @@
 //!
 //! What lights give straight is the role direct visibility, what the environment gives is weighted by the role ambient visibility: neither counts here.
 
+pub mod constant;
+mod light_power;
 pub mod none;
+pub mod probes;
+mod sky;
+mod still_life;
+pub mod vpl;
 
 use crate::Technique;
+use kajo_render_graph::{Slot, slot};
 
 /// In the order of every list.
-pub const ALL: &[&Technique] = &[&none::TECHNIQUE];
+pub const ALL: &[&Technique] = &[&none::TECHNIQUE, &constant::TECHNIQUE, &vpl::TECHNIQUE, &probes::TECHNIQUE];
+
+/// Slots that the group reads.
+const READS: &[Slot] = &[slot::DEPTH, slot::NORMAL];

@@ -170,7 +170,7 @@ fn stats(device: &Device, renderer: &Renderer, roles: &RoleSelection, frame: &Fr
         "memory_bytes": frame.memory_bytes,
         "draws": frame.draws,
         "culled_draws": frame.culled_draws,
-        "statistics": frame.statistics.iter().map(|s| json!({ "name": s.name, "light": lights[s.light as usize], "value": s.value })).collect::<Vec<_>>(),
+        "statistics": frame.statistics.iter().map(|s| json!({ "name": s.name, "light": lights.get(s.light as usize), "value": s.value })).collect::<Vec<_>>(),
         "adapter": device.info().name,
         "driver": device.info().driver,
         "trace_backend": renderer.backend().id(),

@@ -6,9 +6,12 @@
 
 use bevy::anti_alias::taa::TemporalAntiAliasing;
 use bevy::camera::RenderTarget;
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::VisibilityClass;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::diagnostic::DiagnosticsStore;
+use bevy::gltf::{GltfExtras, GltfMaterialExtras, GltfMaterialName, GltfMeshExtras, GltfMeshName, GltfSceneExtras, GltfSceneName};
 use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap, ShadowFilteringMethod};
 use bevy::pbr::{ContactShadows, DefaultOpaqueRendererMethod, ScreenSpaceAmbientOcclusion};
 use bevy::prelude::*;
@@ -17,6 +20,7 @@ use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{PollType, TextureFormat};
 use bevy::render::renderer::RenderDevice;
 use bevy::render::view::screenshot::{Screenshot, save_to_disk};
+use bevy::transform::components::TransformTreeChanged;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -49,6 +53,16 @@ fn main() {
     app.insert_resource(DirectionalLightShadowMap { size: number(map) as usize });
     app.insert_resource(DefaultOpaqueRendererMethod::deferred());
     app.insert_resource(GlobalAmbientLight::NONE);
+    // What a glTF's entities consist of: without Bevy's automatic registration it is named here.
+    app.register_type::<Transform>().register_type::<GlobalTransform>().register_type::<TransformTreeChanged>();
+    app.register_type::<Visibility>()
+        .register_type::<InheritedVisibility>()
+        .register_type::<ViewVisibility>()
+        .register_type::<VisibilityClass>();
+    app.register_type::<Name>().register_type::<ChildOf>().register_type::<Children>().register_type::<Aabb>();
+    app.register_type::<Mesh3d>().register_type::<MeshMaterial3d<StandardMaterial>>();
+    app.register_type::<GltfMaterialName>().register_type::<GltfMeshName>().register_type::<GltfSceneName>().register_type::<GltfExtras>();
+    app.register_type::<GltfMaterialExtras>().register_type::<GltfMeshExtras>().register_type::<GltfSceneExtras>();
     app.finish();
     app.cleanup();
 
@@ -60,14 +74,18 @@ fn main() {
     let shadows = mode == "cascades" || mode == "contact";
     world.spawn((
         DirectionalLight { illuminance: 10_000.0, shadow_maps_enabled: shadows, contact_shadows_enabled: mode == "contact", ..default() },
-        CascadeShadowConfigBuilder { num_cascades: 4, ..default() }.build(),
+        CascadeShadowConfigBuilder { num_cascades: 4, first_cascade_far_bound: 0.5, maximum_distance: 4.0, ..default() }.build(),
         Transform::default().looking_to(vector(light), Vec3::Y),
     ));
     let camera = world
         .spawn((
             Camera3d::default(),
             RenderTarget::Image(image.clone().into()),
-            Projection::Perspective(PerspectiveProjection { fov: fov.parse::<f32>().expect("degrees").to_radians(), near: 0.01, ..default() }),
+            Projection::Perspective(PerspectiveProjection {
+                fov: fov.parse::<f32>().expect("degrees").to_radians(),
+                near: 0.01,
+                ..default()
+            }),
             Transform::from_translation(vector(eye)).looking_at(vector(target), Vec3::Y),
             Msaa::Off,
             Tonemapping::Reinhard,

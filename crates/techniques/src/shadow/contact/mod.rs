@@ -26,7 +26,7 @@ pub const TECHNIQUE: Technique = Technique {
 #[derive(Params, Clone, Copy, Debug)]
 pub struct Params {
     /// Side of a map; a cube has six of them.
-    #[param(default = 1024, range = 16..=8192, unit = "px")]
+    #[param(default = 2048, range = 16..=8192, unit = "px")]
     pub resolution: u32,
     /// Half the side of the filter: 0 compares one texel, k averages (2k + 1)² comparisons.
     #[param(default = 1, range = 0..=8)]
@@ -38,7 +38,7 @@ pub struct Params {
     #[param(default = 16, range = 1..=256)]
     pub steps: u32,
     /// How thick every surface is taken to be, since the camera sees their front only.
-    #[param(default = 0.05, range = 0.0..=100.0, unit = "m")]
+    #[param(default = 0.01, range = 0.0..=100.0, unit = "m")]
     pub thickness: Meters,
 }
 

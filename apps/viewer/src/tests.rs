@@ -88,6 +88,14 @@ fn broken_files_and_foreign_ones_are_told_and_the_scene_stays() {
 }
 
 #[test]
+fn a_window_without_room_for_a_picture_is_told_from_one_without_a_scene() {
+    let error = run("open builtin:cornell\nwait\nsize 0x0\nframes 2\npicture").unwrap_err();
+    assert!(error.contains("no room"), "{error}");
+    let error = run("picture").unwrap_err();
+    assert!(error.contains("no scene"), "{error}");
+}
+
+#[test]
 fn nothing_to_see_is_said_and_an_environment_alone_is_refused() {
     run("frames 2\ndrop sky.hdr\nexpect message drop the scene first\nopen /no/such/scene.gltf\nframes 2\nwait\nexpect message /no/such/scene.gltf").unwrap();
 }

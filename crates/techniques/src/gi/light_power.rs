@@ -33,3 +33,44 @@ pub(super) fn light_powers(scene: &Scene, snapshot: &Snapshot, radius: f32) -> V
     });
     analytic.chain(meshes).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Affine3A, Quat, Vec2};
+    use kajo_sampling::{hammersley_2d, radical_inverse};
+    use kajo_scene::{Light, PlacedLight, builtin};
+    use kajo_shader_lib::emission::emission_sample;
+    use kajo_shader_lib::light::GpuLight;
+    use kajo_units::{Meters, Radians, Seconds};
+
+    /// The power by which paths are dealt out is the power that their rays carry.
+    #[test]
+    fn the_power_of_a_light_is_what_its_rays_carry() {
+        let scene = builtin::load("cornell").unwrap();
+        let mut snapshot = Snapshot::new(&scene, Seconds(0.0));
+        let shapes = [
+            LightShape::Point,
+            LightShape::Spot { inner: Radians(0.3), outer: Radians(0.7) },
+            LightShape::Directional { half_angle: Radians(0.05) },
+            LightShape::Rectangle { width: Meters(1.0), height: Meters(0.4) },
+            LightShape::Disk { radius: Meters(0.5) },
+            LightShape::Sphere { radius: Meters(0.5) },
+        ];
+        let scale = Vec3::new(1.5, 2.0, 1.0);
+        let world_from_light = Affine3A::from_scale_rotation_translation(scale, Quat::from_rotation_y(0.8), Vec3::Y);
+        let light = |shape| Light { name: String::new(), shape, emission: LinearRgb::new(3.0, 2.0, 1.0) };
+        snapshot.lights = shapes.into_iter().map(|shape| PlacedLight { light: light(shape), world_from_light }).collect();
+        let radius = 2.0;
+        for (placed, power) in snapshot.lights.iter().zip(light_powers(&scene, &snapshot, radius)) {
+            let light = GpuLight::new(placed, Vec3::ZERO);
+            let count = 4096;
+            let flux = |i: u32| {
+                let v = Vec2::new(radical_inverse(3, i), radical_inverse(5, i));
+                emission_sample(&light, hammersley_2d(i, count), v, Vec3::ZERO, radius).flux
+            };
+            let carried = (0..count).map(flux).sum::<Vec3>() / count as f32;
+            assert!((power.0 / carried - 1.0).abs().max_element() < 0.01, "{:?}: {power:?}, {carried}", placed.light.shape);
+        }
+    }
+}

@@ -160,6 +160,9 @@ fn virtual_lights_are_lit_by_the_sun_and_by_the_sky() {
         let params = [("paths", "8192"), ("bounces", "3"), ("samples", "256"), ("nearest", "0.01")];
         let ratio = mean(irradiance(&indirect(&device, &scene, size, "gi/vpl", &params))) / truth;
         assert!((ratio - 1.0).abs() < 0.08, "{name}: {ratio} of {truth}");
+        let paths = [("samples", "256"), ("bounces", "3")];
+        let ratio = mean(irradiance(&indirect(&device, &scene, size, "gi/ray-traced", &paths))) / truth;
+        assert!((ratio - 1.0).abs() < 0.03, "{name}, paths: {ratio} of {truth}");
     }
 }
 
@@ -277,4 +280,35 @@ fn probes_bounce_the_light_of_the_environment() {
         .render(&roles("gi/probes", &[]), &FrameSettings { environment_light: false, ..settings() })
         .unwrap();
     assert_eq!(mean(irradiance(&dark)), 0.0, "an environment that lights nothing");
+}
+
+/// Paths are the path tracer's light: the more of them, the nearer, and each bounce adds its part.
+#[test]
+fn paths_converge_to_the_path_tracer() {
+    let device = Device::new().unwrap();
+    let scene = builtin::load("cornell").unwrap();
+    let size = UVec2::splat(24);
+    for (bounces, depth) in [("1", 2), ("3", 4)] {
+        let truth = truth(&scene, size, depth, 1024);
+        let of = |samples| indirect(&device, &scene, size, "gi/ray-traced", &[("samples", samples), ("bounces", bounces)]);
+        let (few, many) = (of("4"), of("128"));
+        let ratio = mean(irradiance(&many)) / mean(&truth);
+        assert!((ratio - 1.0).abs() < 0.02, "{bounces} bounces: {ratio}");
+        let [rough, fine] = [&few, &many].map(|out| error(irradiance(out), &truth));
+        assert!(fine < 0.35 * rough && fine < 0.2, "{bounces} bounces: {rough}, {fine}");
+        assert!(many.rays > 16 * few.rays && few.technique_rays.contains(&("gi/ray-traced", few.rays)));
+    }
+}
+
+/// Points in a crease, which rounding may put behind the other wall, see their probes.
+#[test]
+fn creases_are_lit() {
+    let device = Device::new().unwrap();
+    let scene = builtin::load("cornell").unwrap();
+    // The diagonals of the image run along the edges between walls.
+    let size = UVec2::splat(12);
+    let out = indirect(&device, &scene, size, "gi/probes", &[("probes", "8"), ("rays", "64")]);
+    let seen = out.gbuffer.as_ref().unwrap().instance.pixels();
+    let dark = irradiance(&out).pixels().iter().zip(seen).filter(|(e, seen)| seen.is_some() && e.0.max_element() < 1e-3).count();
+    assert_eq!(dark, 0);
 }

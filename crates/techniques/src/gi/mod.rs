@@ -6,6 +6,7 @@ pub mod constant;
 mod light_power;
 pub mod none;
 pub mod probes;
+pub mod ray_traced;
 mod sky;
 mod still_life;
 pub mod vpl;
@@ -14,7 +15,7 @@ use crate::Technique;
 use kajo_render_graph::{Slot, slot};
 
 /// In the order of every list.
-pub const ALL: &[&Technique] = &[&none::TECHNIQUE, &constant::TECHNIQUE, &vpl::TECHNIQUE, &probes::TECHNIQUE];
+pub const ALL: &[&Technique] = &[&none::TECHNIQUE, &constant::TECHNIQUE, &vpl::TECHNIQUE, &probes::TECHNIQUE, &ray_traced::TECHNIQUE];
 
 /// Slots that the group reads.
 const READS: &[Slot] = &[slot::DEPTH, slot::NORMAL];

@@ -6,6 +6,8 @@
 //! ```text
 //! KAJO_GOLDENS=make cargo test --release -p kajo-lab --test goldens
 //! ```
+//!
+//! `KAJO_GOLDENS=make:reflection.` makes those alone whose names begin so.
 
 use glam::{UVec2, Vec3Swizzles};
 use kajo_image::{Image, ToneMap, decode_image, encode_png, read_image, tone_map, write_atomic, write_png};
@@ -101,10 +103,16 @@ fn difference(image: &Image<LinearRgb>, reference: &Image<LinearRgb>) -> f64 {
     flip(image, reference, PIXELS_PER_DEGREE).map_or(1.0, |map| flip::mean(&map))
 }
 
+/// Beginnings of the names of pictures that are to be made in the place of being compared with.
+fn made() -> Option<String> {
+    let word = std::env::var("KAJO_GOLDENS").ok()?;
+    word.strip_prefix("make").map(|rest| rest.trim_start_matches(':').to_owned())
+}
+
 /// Compares with the stored picture of that name, or stores it when that is asked for; what is wrong otherwise.
 fn check(name: &str, image: &Image<Srgb8>) -> Result<(), String> {
     let path = stored().join(name);
-    if std::env::var_os("KAJO_GOLDENS").is_some_and(|word| word == "make") {
+    if made().is_some_and(|prefix| name.starts_with(&prefix)) {
         std::fs::create_dir_all(stored()).unwrap();
         write_atomic(&path, &encode_png(image, &Default::default()).unwrap()).unwrap();
         return Ok(());
@@ -146,6 +154,9 @@ fn every_technique_looks_as_it_did() {
             continue;
         }
         for scene in scenes(technique.role) {
+            if made().is_some_and(|prefix| !file_of(technique, scene).starts_with(&prefix)) {
+                continue;
+            }
             faults.extend(check(&file_of(technique, scene), &frame(&device, technique, scene, None, glam::Vec2::ZERO)).err());
         }
     }

@@ -8,10 +8,15 @@ use kajo_units::LinearRgb;
 pub struct Statistic {
     /// What was counted.
     pub name: &'static str,
-    /// Index of the light in the list of all lights.
+    /// Index of the light in the list of all lights, or [`Self::NO_LIGHT`].
     pub light: u32,
     /// How many.
     pub value: u64,
+}
+
+impl Statistic {
+    /// In the place of a light, where all of them or none is meant; in [`DebugView`]s, too.
+    pub const NO_LIGHT: u32 = u32::MAX;
 }
 
 /// A picture of the technique's inner workings. It may have another size than the frame: a shadow map has its own.
@@ -19,7 +24,7 @@ pub struct Statistic {
 pub struct DebugView {
     /// What it shows, in words for file names: `silhouettes`, `light-depth`.
     pub name: &'static str,
-    /// Index of the light in the list of all lights.
+    /// Index of the light in the list of all lights, or [`Statistic::NO_LIGHT`].
     pub light: u32,
     /// The picture.
     pub pixels: DebugPixels,

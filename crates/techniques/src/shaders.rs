@@ -26,6 +26,7 @@ pub const FILES: &[SourceFile<'static>] = files![
     "screen",
     "shadow_rays",
     "soft_map",
+    "specular",
     "spread",
     "surface",
     "trace"

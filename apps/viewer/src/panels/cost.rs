@@ -26,8 +26,8 @@ pub(crate) fn show(ui: &mut Ui, model: &Model) {
                 ui.end_row();
             }
             for statistic in &frame.statistics {
-                let light = frames.lights.get(statistic.light as usize).map_or("", String::as_str);
-                ui.label(RichText::new(format!("{} of {light}", statistic.name.replace('-', " "))).small());
+                let of = frames.lights.get(statistic.light as usize).map_or(String::new(), |light| format!(" of {light}"));
+                ui.label(RichText::new(format!("{}{of}", statistic.name.replace('-', " "))).small());
                 ui.label(RichText::new(grouped(statistic.value)).small().monospace());
                 ui.end_row();
             }

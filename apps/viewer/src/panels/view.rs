@@ -90,6 +90,7 @@ fn name(show: &Show, role: &str, lights: &[String]) -> String {
         Show::Light(index) => format!("visibility of {}", light(*index)),
         Show::Channel(index) => format!("G-buffer: {}", CHANNELS[*index].0),
         Show::Debug { name, .. } if name.is_empty() => "inner workings of A".to_owned(),
+        Show::Debug { name, light } if *light == kajo_techniques::Statistic::NO_LIGHT => name.replace('-', " "),
         Show::Debug { name, light: index } => format!("{} of {}", name.replace('-', " "), light(*index as usize)),
     }
 }

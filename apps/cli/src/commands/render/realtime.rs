@@ -77,7 +77,10 @@ fn write_debug_views(folder: &Path, views: &[DebugView], lights: &[String]) -> O
     }
     std::fs::create_dir_all(folder).map_err(|reason| Failure::run(format!("cannot make the folder {}: {reason}", folder.display())))?;
     for view in views {
-        let name = format!("{}.{}.{}", view.name, view.light, slug(&lights[view.light as usize]));
+        let name = match lights.get(view.light as usize) {
+            Some(light) => format!("{}.{}.{}", view.name, view.light, slug(light)),
+            None => view.name.to_owned(),
+        };
         let picture = view.pixels.to_color();
         write_png(&folder.join(format!("{name}.png")), &tone_map(&picture, 0.0, ToneMap::Linear), &provenance())?;
         let mut file = ExrFile::new(picture.size());

@@ -93,3 +93,20 @@ fn a_scene_with_nothing_to_judge_fails_and_leaves_a_report() {
     assert_eq!(report["runs"].as_array().unwrap().len(), of_role);
     assert!(report["runs"][0]["status"].as_str().unwrap().starts_with("skipped: needs a light"), "{}", report["runs"][0]);
 }
+
+/// Rows as a user asks for them: reflections of a room with mirrors are judged by the path tracer's, and each technique shows more than none.
+#[test]
+fn reflections_are_judged_by_the_path_tracer() {
+    let folder = tempfile::tempdir().unwrap();
+    let techniques = "reflection/none,reflection/ssr-dda,reflection/planar,reflection/ray-traced:bounces=4";
+    let size = ["--size", "96x54", "--reference-spp", "32", "--frames", "2"];
+    let words = [&["compare", "builtin:mirror-room", "-o", "report", "--role", "specular-indirect"][..], &size, &["--technique", techniques]];
+    let report = json(folder.path(), &words.concat());
+    let rmse = |id: &str| {
+        let run = report["runs"].as_array().unwrap().iter().find(|run| run["technique"] == id).unwrap();
+        assert_eq!(run["status"], "ok", "{run}");
+        run["error"]["rmse"].as_f64().unwrap()
+    };
+    let [none, screen, planar, traced] = ["none", "ssr-dda", "planar", "ray-traced"].map(|name| rmse(&format!("reflection/{name}")));
+    assert!(screen < 0.95 * none && planar < 0.7 * none && traced < 0.7 * planar, "{none} {screen} {planar} {traced}");
+}

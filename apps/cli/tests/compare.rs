@@ -100,7 +100,8 @@ fn reflections_are_judged_by_the_path_tracer() {
     let folder = tempfile::tempdir().unwrap();
     let techniques = "reflection/none,reflection/ssr-dda,reflection/planar,reflection/ray-traced:bounces=4";
     let size = ["--size", "96x54", "--reference-spp", "32", "--frames", "2"];
-    let words = [&["compare", "builtin:mirror-room", "-o", "report", "--role", "specular-indirect"][..], &size, &["--technique", techniques]];
+    let words =
+        [&["compare", "builtin:mirror-room", "-o", "report", "--role", "specular-indirect"][..], &size, &["--technique", techniques]];
     let report = json(folder.path(), &words.concat());
     let rmse = |id: &str| {
         let run = report["runs"].as_array().unwrap().iter().find(|run| run["technique"] == id).unwrap();

@@ -258,7 +258,7 @@ fn probes_are_baked_once() {
     assert_eq!(second.rays, 0);
     assert_eq!(irradiance(&first).pixels(), irradiance(&second).pixels());
     let mut darker = scene.clone();
-    darker.lights[0].emission = darker.lights[0].emission * 0.5;
+    darker.lights[0].emission *= 0.5;
     let snapshot = Snapshot::new(&darker, START);
     renderer.set_snapshot(&snapshot, &snapshot).unwrap();
     let third = renderer.render(&chosen, &settings()).unwrap();

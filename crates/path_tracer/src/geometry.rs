@@ -51,11 +51,19 @@ impl Geometry {
     /// # Errors
     /// [`PathTracerError::Bvh`] for what no hierarchy can be built over.
     pub(crate) fn new(snapshot: &Snapshot, opaque: &[bool]) -> Result<Self, PathTracerError> {
+        Self::of_kept(snapshot, opaque, &vec![true; opaque.len()])
+    }
+
+    /// The same without the instances that are not `kept`.
+    ///
+    /// # Errors
+    /// As [`Geometry::new`].
+    pub(crate) fn of_kept(snapshot: &Snapshot, opaque: &[bool], kept: &[bool]) -> Result<Self, PathTracerError> {
         let mut geometry = Parts { places: vec![PrimitiveRef { instance: u32::MAX, primitive: 0 }; opaque.len()], ..Parts::default() };
         for solid in [true, false] {
-            geometry.join(snapshot, (0..opaque.len()).filter(|&instance| opaque[instance] == solid), solid);
+            geometry.join(snapshot, (0..opaque.len()).filter(|&instance| kept[instance] && opaque[instance] == solid), solid);
         }
-        geometry.place(snapshot, opaque)?;
+        geometry.place(snapshot, opaque, kept)?;
         let Parts { blases, placed, held, places } = geometry;
         let failed = |e| match e {
             BvhError::Transform { instance } => BvhError::Transform { instance: held[instance].first() },
@@ -176,8 +184,9 @@ impl Parts {
     }
 
     /// Places every instance that was not joined.
-    fn place(&mut self, snapshot: &Snapshot, opaque: &[bool]) -> Result<(), PathTracerError> {
-        let alone: Vec<usize> = (0..opaque.len()).filter(|&instance| self.places[instance].instance == u32::MAX).collect();
+    fn place(&mut self, snapshot: &Snapshot, opaque: &[bool], kept: &[bool]) -> Result<(), PathTracerError> {
+        let alone: Vec<usize> =
+            (0..opaque.len()).filter(|&instance| kept[instance] && self.places[instance].instance == u32::MAX).collect();
         let mut needed: Vec<usize> = alone.iter().map(|&instance| snapshot.instances[instance].mesh).collect();
         needed.sort_unstable();
         needed.dedup();

@@ -1,10 +1,10 @@
 //! The tracer: a scene at one time, ready for rays.
 
-use crate::fingerprint::scene_hash;
+use crate::fingerprint::{StableHasher, scene_hash};
 use crate::lights::Lights;
 use crate::world::World;
 use crate::{Aov, CameraChoice, EnvironmentSampler, LightSampler, PathTracerError, Settings};
-use kajo_scene::{PlacedCamera, Scene, Snapshot};
+use kajo_scene::{Culling, PlacedCamera, Scene, Snapshot};
 use std::sync::OnceLock;
 
 /// A scene evaluated at one time, with its hierarchy and light tables. Renders any number of pictures, see [`render`](crate::render).
@@ -14,6 +14,7 @@ pub struct Tracer {
     pub(crate) previous: Option<Snapshot>,
     environment_sampler: EnvironmentSampler,
     light_sampler: LightSampler,
+    culling: Culling,
     hash: OnceLock<u64>,
 }
 
@@ -26,7 +27,7 @@ impl Tracer {
         let world = World::new(scene, snapshot)?;
         let (environment_sampler, light_sampler) = (EnvironmentSampler::default(), LightSampler::default());
         let lights = Lights::new(&world, environment_sampler, light_sampler)?;
-        Ok(Self { world, lights, previous: None, environment_sampler, light_sampler, hash: OnceLock::new() })
+        Ok(Self { world, lights, previous: None, environment_sampler, light_sampler, culling: Culling::Off, hash: OnceLock::new() })
     }
 
     /// The same scene with another way to sample its environment; changes the noise and never the mean.
@@ -50,6 +51,21 @@ impl Tracer {
             self.hash = OnceLock::new();
         }
         self
+    }
+
+    /// The same scene in which rays that start on surfaces do not meet what `culling` leaves out for the camera of `settings`. A judge of techniques has all; this
+    /// tells what leaving out costs a picture.
+    ///
+    /// # Errors
+    /// [`PathTracerError::Camera`] with the cameras there are, [`PathTracerError::Bvh`].
+    pub fn with_culling(mut self, culling: Culling, settings: &Settings) -> Result<Self, PathTracerError> {
+        let camera = &self.world.snapshot.cameras[self.camera(settings)?];
+        let aspect = settings.size.x as f32 / settings.size.y.max(1) as f32;
+        let kept = culling.kept(&self.world.scene, &self.world.snapshot, camera, aspect);
+        self.world.keep_for_secondary_rays(&kept)?;
+        self.culling = culling;
+        self.hash = OnceLock::new();
+        Ok(self)
     }
 
     /// Adds the scene one frame earlier, which the image `motion` needs.
@@ -155,6 +171,10 @@ impl Tracer {
 
     pub(crate) fn hash(&self) -> u64 {
         let samplers = (self.environment_sampler, self.light_sampler);
-        *self.hash.get_or_init(|| scene_hash(&self.world.scene, &self.world.snapshot, self.previous.as_ref(), samplers))
+        let culled = match self.culling {
+            Culling::Off => 0,
+            culling => StableHasher::hash(culling.to_string().as_bytes()),
+        };
+        *self.hash.get_or_init(|| culled ^ scene_hash(&self.world.scene, &self.world.snapshot, self.previous.as_ref(), samplers))
     }
 }

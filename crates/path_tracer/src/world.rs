@@ -16,6 +16,8 @@ pub(crate) struct World {
     pub scene: Scene,
     pub snapshot: Snapshot,
     pub geometry: Geometry,
+    /// What rays meet that start on surfaces, where that is less.
+    pub secondary: Option<Geometry>,
     pub instances: Vec<Placed>,
     pub materials: Vec<MaterialInfo>,
     /// Radius of a sphere around everything, m.
@@ -153,27 +155,42 @@ impl World {
         let bounds = geometry.bounds();
         let radius = if bounds.is_empty() { 1.0 } else { 0.5 * (bounds.max - bounds.min).length() };
         let all_opaque = opaque.iter().all(|&opaque| opaque);
-        Ok(Self { scene: scene.clone(), snapshot, geometry, instances, materials, radius, all_opaque })
+        Ok(Self { scene: scene.clone(), snapshot, geometry, secondary: None, instances, materials, radius, all_opaque })
     }
 
-    /// The nearest surface that is there, by masks and, for blended surfaces, by chance.
+    /// Leaves instances that are not `kept` out of what rays meet that start on surfaces.
+    ///
+    /// # Errors
+    /// [`PathTracerError::Bvh`].
+    pub(crate) fn keep_for_secondary_rays(&mut self, kept: &[bool]) -> Result<(), PathTracerError> {
+        let opaque: Vec<bool> = self.instances.iter().map(|placed| !self.materials[placed.material as usize].alpha_test).collect();
+        let all = kept.iter().all(|kept| *kept);
+        self.secondary = if all { None } else { Some(Geometry::of_kept(&self.snapshot, &opaque, kept)?) };
+        Ok(())
+    }
+
+    /// What a ray meets that starts on a surface.
+    #[inline]
+    fn met_from_surfaces(&self) -> &Geometry {
+        self.secondary.as_ref().unwrap_or(&self.geometry)
+    }
+
+    /// The nearest surface that is there, by masks and, for blended surfaces, by chance. A ray that leaves no surface is the camera's.
     #[inline]
     pub(crate) fn closest(&self, ray: &Ray, leaving: Option<PrimitiveRef>, chance: u64) -> Option<Hit> {
+        let geometry = if leaving.is_some() { self.met_from_surfaces() } else { &self.geometry };
         if self.all_opaque {
-            self.geometry.closest_opaque(ray, leaving)
+            geometry.closest_opaque(ray, leaving)
         } else {
-            self.geometry.closest(ray, leaving, |hit| self.is_there(hit, chance))
+            geometry.closest(ray, leaving, |hit| self.is_there(hit, chance))
         }
     }
 
     /// Whether something lies on the segment, masks and blended surfaces counting as in [`World::closest`].
     #[inline]
     pub(crate) fn occluded(&self, ray: &Ray, leaving: Option<PrimitiveRef>, chance: u64) -> bool {
-        if self.all_opaque {
-            self.geometry.any_opaque(ray, leaving)
-        } else {
-            self.geometry.any(ray, leaving, |hit| self.is_there(hit, chance))
-        }
+        let geometry = self.met_from_surfaces();
+        if self.all_opaque { geometry.any_opaque(ray, leaving) } else { geometry.any(ray, leaving, |hit| self.is_there(hit, chance)) }
     }
 
     /// [`World::closest`] of each ray; neighbours that run alike share a walk.

@@ -70,6 +70,12 @@ fn models_of(scene: &Scene) -> Vec<&'static ModelEntry> {
     kajo_bsdf::models::all().filter(named).collect()
 }
 
+/// Instances that rays meet, as the camera is placed in the snapshot.
+fn kept_for_rays(scene: &Scene, snapshot: &Snapshot, settings: &RendererSettings) -> Vec<bool> {
+    let camera = &snapshot.cameras[settings.camera.min(snapshot.cameras.len() - 1)];
+    settings.ray_culling.kept(scene, snapshot, camera, settings.size.x as f32 / settings.size.y as f32)
+}
+
 /// Slots that the first graph of a frame makes for the others.
 fn made_first() -> Vec<Slot> {
     TARGETS.into_iter().chain([slot::DEPTH, slot::BACKGROUND, slot::DIRECT]).collect()
@@ -101,7 +107,8 @@ impl Renderer {
         let bindless = settings.bindless && limit > 0 && scene.textures.len() <= limit;
         let textures = Textures::new(device, scene, bindless)?;
         let geometry = Geometry::new(device, snapshot, snapshot, scene)?;
-        let trace = TraceScene::new(device, backend, snapshot, &geometry, None)?;
+        let kept = kept_for_rays(scene, snapshot, &settings);
+        let trace = TraceScene::new(device, backend, snapshot, &geometry, &kept, None)?;
         let models = models_of(scene);
         let (model_tables, tables) = ModelTables::new(scene);
         let setup = Setup { device, variant: Variant { backend, bindless, models: &models }, textures: textures.count() };
@@ -154,7 +161,8 @@ impl Renderer {
         if !self.geometry.holds(current, previous) {
             self.geometry = Geometry::new(&self.device, current, previous, &self.scene)?;
         }
-        self.trace = TraceScene::new(&self.device, self.backend, current, &self.geometry, Some(&self.trace))?;
+        let kept = kept_for_rays(&self.scene, current, &self.settings);
+        self.trace = TraceScene::new(&self.device, self.backend, current, &self.geometry, &kept, Some(&self.trace))?;
         let all = self.watched.len() == self.lights.list.len();
         self.lights = Lights::new(&self.device, &self.scene, current, Some(&self.lights))?;
         let count = self.lights.list.len();

@@ -3,6 +3,7 @@
 use crate::Error;
 use glam::{UVec2, Vec2};
 use kajo_params::ParamValues;
+use kajo_scene::Culling;
 use kajo_techniques::{Role, Technique, TraceBackend};
 
 /// What stays the same for the life of a renderer.
@@ -18,6 +19,8 @@ pub struct RendererSettings {
     pub light_samples: u32,
     /// Lets shaders choose textures by number where the adapter can; off, texels are read from a buffer.
     pub bindless: bool,
+    /// Instances that rays do not meet: reflections, shadow rays and all others. The camera sees them, and shadow maps have them.
+    pub ray_culling: Culling,
     /// Largest memory of the images that have a layer for each light, bytes: more lights are worked on in groups.
     pub light_memory: u64,
 }
@@ -25,7 +28,7 @@ pub struct RendererSettings {
 impl RendererSettings {
     /// The defaults for an image of `size`.
     pub fn new(size: UVec2) -> Self {
-        Self { size, camera: 0, backend: None, light_samples: 16, bindless: true, light_memory: 256 << 20 }
+        Self { size, camera: 0, backend: None, light_samples: 16, bindless: true, ray_culling: Culling::Off, light_memory: 256 << 20 }
     }
 }
 

@@ -6,6 +6,7 @@
 
 pub mod adjacency;
 pub mod builtin;
+mod culling;
 mod decode;
 mod emissive;
 mod environment_file;
@@ -29,6 +30,7 @@ mod test_assets;
 mod texture_lookup;
 
 pub use adjacency::Adjacency;
+pub use culling::{Culling, UnknownCulling};
 pub use decode::decode_texture;
 pub use emissive::EmissiveMesh;
 pub use environment_file::{LoadedEnvironment, decode_environment, load_environment};

@@ -2,6 +2,7 @@
 
 mod aovs;
 mod compare;
+mod culling;
 mod determinism;
 mod direct_light;
 mod dispersion;

@@ -1,13 +1,14 @@
 //! Both backends of the interface `trace` against the hierarchy on the CPU.
 
 use super::scenes::*;
-use crate::{FrameSettings, RoleSelection};
+use crate::{FrameSettings, Renderer, RendererSettings, RoleSelection};
 use glam::{UVec2, UVec3, Vec3};
 use kajo_bvh::{Blas, BuildOptions, BvhInstance, Filter, Ray, Tlas};
 use kajo_render_graph::wgpu::BufferUsages;
 use kajo_render_graph::{Bindings, ComputePipeline, Device, PipelineOptions, Shader, readback};
-use kajo_scene::{Scene, Snapshot, builtin};
+use kajo_scene::{Culling, Scene, Snapshot, builtin};
 use kajo_techniques::{TraceBackend, shaders};
+use kajo_units::Meters;
 use std::sync::Arc;
 
 const ROOT: &str = "
@@ -65,7 +66,10 @@ fn random_rays(bounds: [Vec3; 2], count: usize) -> Vec<Query> {
 }
 
 pub fn on_device(device: &Device, scene: &Scene, backend: TraceBackend, queries: &[Query]) -> Vec<Answer> {
-    let mut renderer = renderer(device, scene, UVec2::splat(8), Some(backend));
+    answers(device, renderer(device, scene, UVec2::splat(8), Some(backend)), backend, queries)
+}
+
+fn answers(device: &Device, mut renderer: Renderer, backend: TraceBackend, queries: &[Query]) -> Vec<Answer> {
     // A frame uploads the instances that masks are looked up by.
     renderer.render(&RoleSelection::new(), &FrameSettings::default()).unwrap();
     let shader =
@@ -126,5 +130,33 @@ fn both_backends_answer_like_the_cpu() {
         }
         // Shifted answers must not pass as equal.
         assert!(agree(&compute[1..], &cpu[..99_999]) < 90_000);
+    }
+}
+
+/// Instances that are left out are met on neither backend, and all others are, as by the CPU's hierarchy of those that are kept.
+#[test]
+fn both_backends_leave_out_the_instances_that_the_cpu_does() {
+    let device = Device::new().unwrap();
+    let scene = builtin::load("scatter:4000").unwrap();
+    let snapshot = Snapshot::new(&scene, START);
+    let culling = Culling::Distance(Meters(15.0));
+    let kept = culling.kept(&scene, &snapshot, &snapshot.cameras[0], 1.0);
+    let left_out = kept.iter().filter(|kept| !**kept).count();
+    assert!((3000..3990).contains(&left_out), "{left_out} left out");
+    let queries = random_rays([Vec3::new(-30.0, 0.0, -30.0), Vec3::new(30.0, 1.5, 30.0)], 50_000);
+    for backend in [TraceBackend::Compute, TraceBackend::RayQuery] {
+        if backend == TraceBackend::RayQuery && !device.has_ray_query() {
+            continue;
+        }
+        let of = |ray_culling| {
+            let settings = RendererSettings { backend: Some(backend), ray_culling, ..RendererSettings::new(UVec2::splat(8)) };
+            answers(&device, Renderer::new(&device, &scene, &snapshot, settings).unwrap(), backend, &queries)
+        };
+        let (all, fewer) = (of(Culling::Off), of(culling));
+        let met = |answers: &[Answer], want: bool| answers.iter().filter(|a| a.found == 1 && kept[a.instance as usize] == want).count();
+        assert!(met(&all, false) > 100 && met(&fewer, false) == 0, "{backend:?}: {} hits of instances left out", met(&fewer, false));
+        // What was hit and is kept is still hit.
+        let lost = all.iter().zip(&fewer).filter(|(a, b)| a.found == 1 && kept[a.instance as usize] && !same(a, b)).count();
+        assert!(lost <= 25, "{backend:?}: {lost} rays lost a kept instance");
     }
 }

@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::gpu::GpuBvhInfo;
 use crate::upload::geometry::{Geometry, MeshRange};
+use glam::{Affine3A, Vec3};
 use kajo_bvh::gpu::FlatBvh;
 use kajo_bvh::{Blas, BuildOptions, BvhInstance, Tlas};
 use kajo_render_graph::wgpu;
@@ -24,18 +25,19 @@ pub(crate) enum TraceScene {
 }
 
 impl TraceScene {
-    /// Builds everything; structures of meshes that `old` has are taken over.
+    /// Builds everything over the instances that are `kept`; structures of meshes that `old` has are taken over.
     pub fn new(
         device: &Device,
         backend: TraceBackend,
         snapshot: &Snapshot,
         geometry: &Geometry,
+        kept: &[bool],
         old: Option<&Self>,
     ) -> Result<Self, Error> {
         match (backend, old) {
-            (TraceBackend::RayQuery, _) => Ok(ray_query(device, snapshot, geometry)),
-            (TraceBackend::Compute, Some(Self::Compute { meshes, .. })) => compute(device, snapshot, geometry, meshes),
-            (TraceBackend::Compute, _) => compute(device, snapshot, geometry, &[]),
+            (TraceBackend::RayQuery, _) => Ok(ray_query(device, snapshot, geometry, kept)),
+            (TraceBackend::Compute, Some(Self::Compute { meshes, .. })) => compute(device, snapshot, (geometry, kept), meshes),
+            (TraceBackend::Compute, _) => compute(device, snapshot, (geometry, kept), &[]),
         }
     }
 
@@ -60,7 +62,7 @@ fn is_opaque(geometry: &Geometry, instance: usize) -> bool {
     geometry.draws[instance].coverage == Coverage::Opaque
 }
 
-fn ray_query(device: &Device, snapshot: &Snapshot, geometry: &Geometry) -> TraceScene {
+fn ray_query(device: &Device, snapshot: &Snapshot, geometry: &Geometry, kept: &[bool]) -> TraceScene {
     // A mesh has one material, so opacity is a property of the mesh.
     let mut opaque = vec![true; snapshot.meshes.len()];
     for (index, instance) in snapshot.instances.iter().enumerate() {
@@ -115,7 +117,7 @@ fn ray_query(device: &Device, snapshot: &Snapshot, geometry: &Geometry) -> Trace
     for (index, instance) in snapshot.instances.iter().enumerate() {
         let Some(blas) = &structures[instance.mesh] else { continue };
         let m = instance.world_from_object;
-        if m.matrix3.determinant() == 0.0 {
+        if m.matrix3.determinant() == 0.0 || !kept[index] {
             continue;
         }
         let row = |r: usize| [m.matrix3.x_axis[r], m.matrix3.y_axis[r], m.matrix3.z_axis[r], m.translation[r]];
@@ -138,7 +140,12 @@ fn size_of_mesh(range: &MeshRange, opaque: bool) -> wgpu::BlasTriangleGeometrySi
     }
 }
 
-fn compute(device: &Device, snapshot: &Snapshot, geometry: &Geometry, old: &[(Arc<Mesh>, Arc<Blas>)]) -> Result<TraceScene, Error> {
+fn compute(
+    device: &Device,
+    snapshot: &Snapshot,
+    (geometry, kept): (&Geometry, &[bool]),
+    old: &[(Arc<Mesh>, Arc<Blas>)],
+) -> Result<TraceScene, Error> {
     let meshes = snapshot
         .meshes
         .iter()
@@ -159,7 +166,8 @@ fn compute(device: &Device, snapshot: &Snapshot, geometry: &Geometry, old: &[(Ar
         .map(|(index, instance)| BvhInstance {
             opaque: is_opaque(geometry, index),
             mask: MASK,
-            ..BvhInstance::new(instance.mesh, instance.world_from_object)
+            // Instances keep their numbers; one without extent is left out of the structure.
+            ..BvhInstance::new(instance.mesh, if kept[index] { instance.world_from_object } else { Affine3A::from_scale(Vec3::ZERO) })
         })
         .collect();
     let flat = FlatBvh::new(&Tlas::build(meshes.iter().map(|(_, blas)| blas.clone()).collect(), instances)?);

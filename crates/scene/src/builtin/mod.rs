@@ -11,12 +11,14 @@ mod moving;
 mod noise;
 mod penumbra;
 mod room;
+mod scatter;
 mod shadows;
 mod spheres;
 mod stacked;
 mod stage;
 mod terrain;
 mod two_rooms;
+mod umbra;
 
 use crate::{Scene, SceneError};
 
@@ -53,6 +55,7 @@ const ALL: &[BuiltinScene] = &[
     furnace::SCENE,
     spheres::SCENE,
     shadows::SCENE,
+    umbra::SCENE,
     penumbra::SCENE,
     stacked::SCENE,
     mirror_room::SCENE,
@@ -62,6 +65,7 @@ const ALL: &[BuiltinScene] = &[
     embers::SCENE,
     two_rooms::SCENE,
     moving::SCENE,
+    scatter::SCENE,
     terrain::SCENE,
 ];
 

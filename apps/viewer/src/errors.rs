@@ -4,10 +4,12 @@ use crate::stage::sentence;
 use crate::worker::{Desk, Wake, Worker};
 use kajo_image::Image;
 use kajo_image_metrics::{Comparison, ComparisonOptions};
+use kajo_lab::failures::{Failures, LightPlace};
 use kajo_lab::judge::{Judge, Kind};
 use kajo_lab::take;
 use kajo_renderer::FrameOutput;
 use kajo_techniques::Role;
+use kajo_units::Srgb8;
 use std::sync::Arc;
 
 /// What is to be measured.
@@ -17,6 +19,8 @@ pub(crate) struct Question {
     pub role: Role,
     /// Its reference.
     pub judge: Arc<Judge>,
+    /// Where the judged lights are, when it is asked how shadows fail: of frames that have their G-buffer.
+    pub lights: Option<Vec<LightPlace>>,
     /// Frames of the sides.
     pub sides: Vec<Option<Arc<FrameOutput>>>,
 }
@@ -39,6 +43,8 @@ pub(crate) struct Errors {
     pub distinguishable: bool,
     /// ꟻLIP of each pixel, the largest over all lights.
     pub heat: Image<f32>,
+    /// How shadows fail, when it was asked for: its picture, and what it found.
+    pub failures: Option<(Image<Srgb8>, Failures)>,
 }
 
 /// Starts the thread.
@@ -47,7 +53,8 @@ pub(crate) fn start(wake: Wake) -> Worker<Question, Answer> {
 }
 
 fn answer((): &mut (), question: Question, desk: &Desk<Question, Answer>) {
-    let measured = question.sides.iter().map(|side| side.as_ref().map(|frame| measure(question.role, &question.judge, frame)));
+    let lights = question.lights.as_deref();
+    let measured = question.sides.iter().map(|side| side.as_ref().map(|frame| measure(question.role, &question.judge, lights, frame)));
     let answer: Answer = measured.collect();
     desk.answer(answer);
 }
@@ -56,7 +63,7 @@ fn answer((): &mut (), question: Question, desk: &Desk<Question, Answer>) {
 ///
 /// # Errors
 /// Images that do not belong together, NaN in them.
-pub(crate) fn measure(role: Role, judge: &Judge, frame: &FrameOutput) -> Result<Errors, String> {
+pub(crate) fn measure(role: Role, judge: &Judge, lights: Option<&[LightPlace]>, frame: &FrameOutput) -> Result<Errors, String> {
     let take = take(role, frame);
     if take.parts.len() != judge.parts.len() {
         return Err("the lights that are judged are not rendered yet".into());
@@ -70,6 +77,13 @@ pub(crate) fn measure(role: Role, judge: &Judge, frame: &FrameOutput) -> Result<
     let (comparison, map) = Comparison::new(&judge.stacked_take(&take), &reference, &options).map_err(|error| sentence(&error))?;
     let size = judge.size();
     let parts = map.height() / size.y;
+    let failures = match (lights, &frame.gbuffer) {
+        (Some(lights), Some(gbuffer)) if judge.kind == Kind::Visibility => {
+            let found = Failures::new(judge, &take.parts, gbuffer, lights).map_err(|error| sentence(&error))?;
+            Some((found.picture(judge), found))
+        }
+        _ => None,
+    };
     Ok(Errors {
         rmse: comparison.rmse,
         floor: comparison.rmse_floor,
@@ -77,5 +91,6 @@ pub(crate) fn measure(role: Role, judge: &Judge, frame: &FrameOutput) -> Result<
         mean_ratio: comparison.mean_ratio,
         distinguishable: comparison.distinguishable.unwrap_or(false),
         heat: Image::from_fn(size, |x, y| (0..parts).map(|part| *map.get(x, y + part * size.y)).fold(0.0, f32::max)),
+        failures,
     })
 }

@@ -10,6 +10,7 @@ use crate::selection::Selection;
 use crate::show::{Develop, Show, curve};
 use crate::stage::{Moment, Shot, Source, Stage};
 use glam::UVec2;
+use kajo_lab::failures::places;
 use kajo_render_graph::DeviceInfo;
 use kajo_renderer::{FrameSettings, Read, RoleSelection};
 use kajo_scene::Ignored;
@@ -172,7 +173,7 @@ impl Model {
         self.lights = stage.scene.nodes.iter().enumerate().filter_map(name).collect();
         self.moment = Some(Arc::new(moment));
         self.judged_lights = None;
-        if matches!(self.show, Show::Light(_) | Show::Debug { .. }) {
+        if matches!(self.show, Show::Light(_) | Show::Classes(_) | Show::Debug { .. }) {
             // Lights have other numbers now.
             self.show = Show::default();
         }
@@ -206,7 +207,7 @@ impl Model {
         let settings = FrameSettings {
             index: self.frame,
             exposure: Some(self.exposure),
-            gbuffer: matches!(self.show, Show::Channel(_)),
+            gbuffer: self.show.needs_gbuffer(),
             ambient_distance: self.moment.as_ref().map_or(f32::INFINITY, |moment| kajo_lab::ambient_distance(moment.bounds)),
             read: Read::One(self.selection.judged),
             debug: matches!(self.show, Show::Debug { .. }),
@@ -237,7 +238,9 @@ impl Model {
         let (reference, frames) = (self.current_reference()?, self.frames.as_ref()?);
         let belongs = frames.question.shot == reference.question.shot && frames.watched == reference.lights;
         let sides = frames.sides.iter().map(|side| side.as_ref().ok().cloned()).collect();
-        belongs.then(|| errors::Question { role: reference.question.role, judge: reference.judge.clone(), sides })
+        let moment = self.moment.as_ref().filter(|_| self.show == Show::Failures);
+        let lights = moment.map(|moment| places(&moment.stage.scene, &moment.snapshot, &reference.lights));
+        belongs.then(|| errors::Question { role: reference.question.role, judge: reference.judge.clone(), lights, sides })
     }
 
     /// How light becomes a picture.

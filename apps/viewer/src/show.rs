@@ -7,7 +7,8 @@ use crate::selection::Choice;
 use egui::ColorImage;
 use glam::Vec3;
 use kajo_image::{Image, ToneMap, tone_map};
-use kajo_image_metrics::{Palette, View, heat_map};
+use kajo_image_metrics::{Palette, ShadowClass, View, class_picture, heat_map, shadow_classes};
+use kajo_lab::failures::Class;
 use kajo_lab::take;
 use kajo_renderer::{FrameOutput, GBufferImages};
 use kajo_techniques::Role;
@@ -25,6 +26,10 @@ pub(crate) enum Show {
     Role,
     /// Visibility of one light, by index.
     Light(usize),
+    /// Umbra, penumbra and lit of one light, by index.
+    Classes(usize),
+    /// How the shadows of the judged lights fail.
+    Failures,
     /// A channel of the G-buffer, by its place in [`CHANNELS`].
     Channel(usize),
     /// A picture of the technique's inner workings.
@@ -39,7 +44,21 @@ pub(crate) enum Show {
 impl Show {
     /// True when the path tracer has a picture to hold against it.
     pub fn has_reference(&self) -> bool {
-        !matches!(self, Self::Channel(_) | Self::Debug { .. })
+        !matches!(self, Self::Channel(_) | Self::Debug { .. } | Self::Failures)
+    }
+
+    /// True when the frame has to have its G-buffer.
+    pub fn needs_gbuffer(&self) -> bool {
+        matches!(self, Self::Channel(_) | Self::Classes(_) | Self::Failures)
+    }
+
+    /// What its colours mean, where they stand for something.
+    pub fn legend(&self) -> Vec<(Srgb8, &'static str, &'static str)> {
+        match self {
+            Self::Classes(_) => ShadowClass::ALL.map(|class| (class.color(), class.name(), "")).to_vec(),
+            Self::Failures => Class::ALL.map(|class| (class.color(), class.id(), class.meaning())).to_vec(),
+            _ => Vec::new(),
+        }
     }
 }
 
@@ -104,6 +123,12 @@ pub(crate) fn of_side(show: &Show, frames: &Frames, side: usize, reference: Opti
             let part = frames.watched.iter().position(|watched| watched == light)?;
             fraction(&frame.visibility.get(part)?.map(|&v| LinearRgb::splat(v)))
         }
+        Show::Classes(light) => {
+            let part = frames.watched.iter().position(|watched| watched == light)?;
+            let seen = frame.gbuffer.as_ref()?.depth.map(|depth| depth.is_finite());
+            colors(&class_picture(&shadow_classes(frame.visibility.get(part)?, Some(&seen)).ok()?))
+        }
+        Show::Failures => return None,
         Show::Channel(index) => colors(&View::default().to_srgb8(&CHANNELS.get(*index)?.1(frame.gbuffer.as_ref()?))),
         Show::Debug { name, light } => {
             let view = frame.debug.iter().find(|view| view.name == name && view.light == *light)?;
@@ -127,13 +152,23 @@ pub(crate) fn of_reference(show: &Show, reference: &Reference, develop: Develop)
             let part = reference.lights.iter().position(|judged| judged == light)?;
             fraction(&judge.parts.get(part)?.image)
         }
-        Show::Channel(_) | Show::Debug { .. } => return None,
+        Show::Classes(light) => {
+            let part = reference.lights.iter().position(|judged| judged == light)?;
+            let visibility = judge.parts.get(part)?.image.map(|p| p[0]);
+            colors(&class_picture(&shadow_classes(&visibility, judge.mask.as_ref()).ok()?))
+        }
+        Show::Failures | Show::Channel(_) | Show::Debug { .. } => return None,
     })
 }
 
 /// The error of each pixel as colour; `full` is the error of the lightest.
 pub(crate) fn of_errors(errors: &Errors, full: f32) -> ColorImage {
     colors(&heat_map(&errors.heat, full, Palette::Magma))
+}
+
+/// How a side's shadows fail; `None` until it was measured.
+pub(crate) fn of_failures(errors: &Errors) -> Option<ColorImage> {
+    errors.failures.as_ref().map(|(picture, _)| colors(picture))
 }
 
 /// The mean over the role's images, as the reference shows it where there is one.

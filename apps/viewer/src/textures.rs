@@ -93,6 +93,7 @@ fn key(model: &Model, pane: Pane) -> Key {
     let heat = Some((model.errors_serial, model.heat_full));
     let (frame, reference, heat) = match pane {
         // The role's picture is shown as the reference's is.
+        Pane::A | Pane::B if model.show == show::Show::Failures => (None, None, heat),
         Pane::A | Pane::B => (frame, judge.filter(|_| model.show == show::Show::Role).map(|_| 1), None),
         Pane::Reference => (None, judge, None),
         Pane::HeatA | Pane::HeatB => (None, None, heat),
@@ -103,6 +104,9 @@ fn key(model: &Model, pane: Pane) -> Key {
 /// The picture of a strip; `None` while there is none.
 pub(crate) fn picture(model: &Model, pane: Pane) -> Option<ColorImage> {
     match pane {
+        Pane::A | Pane::B if model.show == show::Show::Failures => {
+            show::of_failures(model.errors.get(side(pane))?.as_ref()?.as_ref().ok()?)
+        }
         Pane::A | Pane::B => show::of_side(&model.show, model.frames.as_ref()?, side(pane), model.current_reference(), model.develop()),
         Pane::Reference => show::of_reference(&model.show, model.current_reference()?, model.develop()),
         Pane::HeatA | Pane::HeatB => Some(show::of_errors(model.errors.get(side(pane))?.as_ref()?.as_ref().ok()?, model.heat_full)),

@@ -13,6 +13,7 @@ mod floor;
 mod heat_map;
 mod pointwise;
 mod scatter;
+mod shadow_class;
 mod ssim;
 mod view;
 mod visibility;
@@ -26,9 +27,10 @@ pub use floor::{MseDifference, is_above_floor, mse_difference, rmse_floor};
 pub use heat_map::{Palette, heat_map};
 pub use pointwise::{REL_MSE_EPSILON, error_image, mean_ratio, mse, psnr, rel_mse, rmse};
 pub use scatter::{Scatter, scatter};
+pub use shadow_class::{ClassConfusion, ClassShares, ShadowClass, class_picture, shadow_classes};
 pub use ssim::ssim;
 pub use view::{Transfer, View};
-pub use visibility::{ShadowBorder, shadow_border};
+pub use visibility::{ShadowBorder, border_distance, distance_to, shadow_border};
 pub use z_test::{ZTest, z_test};
 
 #[cfg(test)]

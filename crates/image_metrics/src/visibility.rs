@@ -1,11 +1,8 @@
 //! Errors of shadows, apart for the border, where any rasterisation differs, and for the rest, where none may.
 
-use crate::MetricsError;
 use crate::error::check_size;
+use crate::{MetricsError, ShadowClass};
 use kajo_image::Image;
-
-/// Visibility below this is umbra, above one minus this is lit; what lies between is penumbra.
-const EPSILON: f32 = 1e-3;
 
 /// How a visibility image compares with its reference.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -58,28 +55,36 @@ pub fn shadow_border(image: &Image<f32>, reference: &Image<f32>, mask: Option<&I
     Ok(result)
 }
 
-#[derive(PartialEq)]
-enum Zone {
-    Umbra,
-    Penumbra,
-    Lit,
+/// Distance of each pixel to the border of the reference's shadows, px: 0 on it, infinite where there is none.
+///
+/// # Errors
+/// Sizes that differ.
+pub fn border_distance(reference: &Image<f32>, mask: Option<&Image<bool>>) -> Result<Image<f32>, MetricsError> {
+    if let Some(mask) = mask {
+        check_size("mask", mask.size(), reference.size())?;
+    }
+    let counts = |x: u32, y: u32| mask.is_none_or(|m| *m.get(x, y));
+    Ok(distance_to(&Image::from_fn(reference.size(), |x, y| counts(x, y) && is_border(reference, &counts, x, y))))
 }
 
-fn zone(v: f32) -> Zone {
-    match v {
-        v if v <= EPSILON => Zone::Umbra,
-        v if v >= 1.0 - EPSILON => Zone::Lit,
-        _ => Zone::Penumbra,
+/// Distance of each pixel to the nearest one of a set, px: 0 in it, infinite where it is empty.
+pub fn distance_to(set: &Image<bool>) -> Image<f32> {
+    if !set.pixels().contains(&true) {
+        return set.map(|_| f32::INFINITY);
     }
+    let squared = squared_distances(&Contour { width: set.width() as usize, on: set.pixels().to_vec() });
+    Image::from_pixels(set.size(), squared.into_iter().map(|d| d.sqrt() as f32).collect())
 }
 
 /// The border runs between pixels, so a centre within 1 px of it has a neighbour of another zone.
 fn is_border(reference: &Image<f32>, counts: &impl Fn(u32, u32) -> bool, x: u32, y: u32) -> bool {
-    let own = zone(*reference.get(x, y));
+    let own = ShadowClass::of(*reference.get(x, y));
     let columns = x.saturating_sub(1)..=(x + 1).min(reference.width() - 1);
     let rows = y.saturating_sub(1)..=(y + 1).min(reference.height() - 1);
-    own == Zone::Penumbra
-        || rows.flat_map(|v| columns.clone().map(move |u| (u, v))).any(|(u, v)| counts(u, v) && zone(*reference.get(u, v)) != own)
+    own == ShadowClass::Penumbra
+        || rows
+            .flat_map(|v| columns.clone().map(move |u| (u, v)))
+            .any(|(u, v)| counts(u, v) && ShadowClass::of(*reference.get(u, v)) != own)
 }
 
 /// Midpoints between neighbours on different sides of one half, on a grid of half pixels: `(2 height + 1) × (2 width + 1)`.
@@ -213,6 +218,14 @@ mod tests {
         let mask = Image::from_fn(UVec2::new(60, 40), |x, _| x >= 30);
         let masked = shadow_border(&half_plane(20.0), &half_plane(60.0), Some(&mask)).unwrap();
         assert_eq!((masked.off_border_pixels, masked.off_border_mismatches, masked.border_pixels), (30 * 40, 30 * 40, 0));
+    }
+
+    #[test]
+    fn the_border_is_as_far_as_it_lies() {
+        let far = border_distance(&half_plane(20.0), None).unwrap();
+        assert_eq!([0, 18, 19, 20, 21, 59].map(|x| *far.get(x, 7)), [19.0, 1.0, 0.0, 0.0, 1.0, 39.0]);
+        let mask = half_plane(0.0).map(|_| false);
+        assert!(border_distance(&half_plane(20.0), Some(&mask)).unwrap().pixels().iter().all(|d| d.is_infinite()));
     }
 
     #[test]

@@ -1,14 +1,15 @@
 //! From images to numbers: the errors of one run.
 
 use crate::LabError;
+use crate::failures::Failures;
 use crate::html::{CropPictures, ReferencePictures, RunPictures};
 use crate::judge::{Judge, Kind, Part, Take};
 use crate::report::{Candidate, ComposedError, LightError, RunError, Temporal};
 use glam::UVec2;
 use kajo_image::{ExrFile, Image, Layer};
 use kajo_image_metrics::{
-    Comparison, ComparisonOptions, MetricsError, MseDifference, Palette, View, bias_noise, crop, heat_map, mse, mse_difference, rmse,
-    shadow_border, worst_crops,
+    ClassConfusion, Comparison, ComparisonOptions, MetricsError, MseDifference, Palette, View, bias_noise, crop, heat_map, mse,
+    mse_difference, rmse, shadow_border, worst_crops,
 };
 use kajo_units::LinearRgb;
 
@@ -69,6 +70,7 @@ pub fn evaluate(judge: &Judge, takes: &[Take], what: &str) -> Result<Evaluation,
         off_border_mismatches: None,
         border_error: None,
         border_px: None,
+        shadow_classes: None,
         lights: vec![],
         composed: composed(judge, takes).map_err(named)?,
     };
@@ -128,6 +130,9 @@ fn borders(judge: &Judge, take: &Take, error: &mut RunError) -> Result<(), Metri
             border_px: result.border_px,
         });
     }
+    let scalars = |parts: &mut dyn Iterator<Item = &Image<LinearRgb>>| parts.map(scalar).collect::<Vec<_>>();
+    let (images, references) = (scalars(&mut take.parts.iter()), scalars(&mut judge.parts.iter().map(|part| &part.image)));
+    error.shadow_classes = Some(ClassConfusion::new(images.iter().zip(&references), judge.mask.as_ref())?);
     error.off_border_mismatch = Some(mismatches as f64 / off.max(1) as f64);
     error.off_border_mismatches = Some(mismatches);
     error.border_error = Some(border_error / border.max(1) as f64);
@@ -181,7 +186,7 @@ fn largest_over_parts(map: &Image<f32>, size: UVec2) -> Image<f32> {
 }
 
 /// The pictures of a run, for the page and the PNG files.
-pub fn pictures(judge: &Judge, take: &Take, evaluation: &Evaluation) -> RunPictures {
+pub fn pictures(judge: &Judge, take: &Take, evaluation: &Evaluation, failures: Option<&Failures>) -> RunPictures {
     let view = judge.view();
     let image = view.to_srgb8(&judge.picture(&take.parts));
     let reference = view.to_srgb8(&judge.picture(&judge.images()));
@@ -192,7 +197,14 @@ pub fn pictures(judge: &Judge, take: &Take, evaluation: &Evaluation) -> RunPictu
     let crops = crops.iter().map(|c| CropPictures { at: [c.x, c.y], images: [&image, &reference, &heat].map(|i| crop(i, c)) }).collect();
     let name = if judge.kind == Kind::Light { "HDR-FLIP" } else { "FLIP" };
     let over = if judge.parts.len() > 1 { ", the largest over all lights" } else { "" };
-    RunPictures { image, composed, heat, heat_scale: format!("{name} of each pixel: black 0, pale yellow 1{over}"), crops }
+    RunPictures {
+        image,
+        composed,
+        heat,
+        heat_scale: format!("{name} of each pixel: black 0, pale yellow 1{over}"),
+        failures: failures.map(|failures| failures.picture(judge)),
+        crops,
+    }
 }
 
 /// The pictures of the reference.
@@ -226,6 +238,18 @@ pub fn reference_exr(judge: &Judge) -> ExrFile {
         }
     }
     file
+}
+
+/// The mean over the takes of each part: what noise leaves is no fault.
+pub fn mean_parts(takes: &[Take]) -> Vec<Image<LinearRgb>> {
+    let scale = 1.0 / takes.len().max(1) as f32;
+    let parts = takes.first().map_or(0, |take| take.parts.len());
+    let mean = |part: usize| {
+        let first = &takes[0].parts[part];
+        let pixel = |i: usize| takes.iter().map(|take| take.parts[part].pixels()[i]).sum::<LinearRgb>() * scale;
+        Image::from_pixels(first.size(), (0..first.pixels().len()).map(pixel).collect())
+    };
+    (0..parts).map(mean).collect()
 }
 
 /// MSE of run a minus that of run b, its standard error from the reference's noise and from the seeds.

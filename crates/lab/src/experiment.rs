@@ -1,9 +1,10 @@
 //! The experiment: scenes × roles × techniques.
 
-use crate::evaluate::{Evaluation, difference, evaluate, pictures, reference_exr, reference_pictures, run_exr};
+use crate::evaluate::{Evaluation, difference, evaluate, mean_parts, pictures, reference_exr, reference_pictures, run_exr};
+use crate::failures::{Failures, LightPlace, places};
 use crate::html::{Pictures, page};
-use crate::judge::{Judge, Kind};
-use crate::measure::{Measured, Seen, WARM_UP_FRAMES, measure};
+use crate::judge::{Judge, Kind, Take};
+use crate::measure::{Seen, WARM_UP_FRAMES, measure};
 use crate::plan::{Choice, Plan, plan};
 use crate::reference::{MAX_LIGHTS, References, judged_lights, references};
 use crate::report::{Candidate, DeviceEntry, OK, ReferenceEntry, Report, Run, Settings, Temporal, decide, to_csv};
@@ -13,9 +14,9 @@ use crate::subject::Subject;
 use crate::temporal::Sequences;
 use crate::{CompareOptions, LabError, Progress, ReferenceStop, host};
 use kajo_image::write_png;
-use kajo_image_metrics::MseDifference;
+use kajo_image_metrics::{MetricsError, MseDifference};
 use kajo_render_graph::Device;
-use kajo_renderer::{FrameSettings, Renderer, RendererSettings, RoleSelection};
+use kajo_renderer::{FrameSettings, GBufferImages, Renderer, RendererSettings, RoleSelection};
 use kajo_techniques::Role;
 use std::collections::BTreeMap;
 
@@ -118,6 +119,22 @@ struct Experiment<'a> {
     pictures: Pictures,
 }
 
+/// A scene on the device, and what is seen of it.
+struct OnDevice {
+    renderer: Renderer,
+    gbuffer: Option<GBufferImages>,
+    /// Where the judged lights are.
+    lights: Vec<LightPlace>,
+}
+
+impl OnDevice {
+    /// How a shadow technique fails; `None` for other roles.
+    fn failures(&self, judge: &Judge, takes: &[Take]) -> Result<Option<Failures>, MetricsError> {
+        let gbuffer = self.gbuffer.as_ref().filter(|_| judge.kind == Kind::Visibility);
+        gbuffer.map(|gbuffer| Failures::new(judge, &mean_parts(takes), gbuffer, &self.lights)).transpose()
+    }
+}
+
 impl Experiment<'_> {
     /// All roles of one scene. False when interrupted.
     fn scene(&mut self, index: usize) -> Result<bool, LabError> {
@@ -198,18 +215,19 @@ impl Experiment<'_> {
     }
 
     /// The scene on the device, after one frame that makes what all techniques share; or the reason why not. `lights` are judged.
-    fn renderer(&mut self, subject: &Subject, lights: &[usize]) -> Result<Renderer, String> {
-        let settings = RendererSettings { camera: subject.camera, ..RendererSettings::new(subject.size) };
+    fn renderer(&mut self, subject: &Subject, lights: &[usize]) -> Result<OnDevice, String> {
+        let ray_culling = self.options.ray_culling;
+        let settings = RendererSettings { camera: subject.camera, ray_culling, ..RendererSettings::new(subject.size) };
         let made = Renderer::new(&self.device, &subject.scene, &subject.snapshot, settings).and_then(|mut renderer| {
             renderer.watch(lights);
-            renderer.render(&RoleSelection::new(), &FrameSettings::default())?;
-            Ok(renderer)
+            let seen = renderer.render(&RoleSelection::new(), &FrameSettings { gbuffer: true, ..FrameSettings::default() })?;
+            Ok(OnDevice { renderer, gbuffer: seen.gbuffer, lights: places(&subject.scene, &subject.snapshot, lights) })
         });
         match made {
-            Ok(renderer) => {
-                let new: Vec<_> = renderer.ignored().into_iter().filter(|i| !self.report.ignored.contains(i)).collect();
+            Ok(on_device) => {
+                let new: Vec<_> = on_device.renderer.ignored().into_iter().filter(|i| !self.report.ignored.contains(i)).collect();
                 self.report.ignored.extend(new);
-                Ok(renderer)
+                Ok(on_device)
             }
             Err(error) => Err(error.to_string()),
         }
@@ -257,29 +275,32 @@ impl Experiment<'_> {
         role: Role,
         choice: &Choice,
         judge: &Judge,
-        renderer: Result<&mut Renderer, &mut String>,
+        on_device: Result<&mut OnDevice, &mut String>,
         folder: &str,
     ) -> Result<Option<(usize, Evaluation)>, LabError> {
         let mut run = new_run(subject, role, choice);
         let what = format!("{}, {}", run.scene, run.label());
-        let result = match (choice.technique.missing(&self.device), renderer) {
+        let result = match (choice.technique.missing(&self.device), on_device) {
             (Some(needs), _) => Err(format!("needs {needs}")),
             (_, Err(reason)) => Err(reason.clone()),
-            (None, Ok(renderer)) => {
+            (None, Ok(on_device)) => {
                 let seeds = (self.options.seed, self.options.frames, self.options.repeat);
-                measure(renderer, role, choice, seeds, Seen { ambient_distance: subject.ambient_distance }).map_err(|e| e.to_string())
+                let seen = Seen { ambient_distance: subject.ambient_distance };
+                let measured = measure(&mut on_device.renderer, role, choice, seeds, seen).map_err(|e| e.to_string());
+                measured.and_then(|m| Ok((on_device.failures(judge, &m.takes).map_err(|e| e.to_string())?, m)))
             }
         };
         // An image that cannot be judged (NaN in it) is a fault of the technique: it is shown, and the others go on.
-        let judged = result.and_then(|m| evaluate(judge, &m.takes, &what).map(|e| (m, e)).map_err(|e| e.to_string()));
-        let (measured, evaluation) = match judged {
+        let judged = result.and_then(|(f, m)| evaluate(judge, &m.takes, &what).map(|e| (m, f, e)).map_err(|e| e.to_string()));
+        let (measured, failures, evaluation) = match judged {
             Ok(both) => both,
             Err(reason) => {
                 self.skip(run, &reason);
                 return Ok(None);
             }
         };
-        self.files(&mut run, judge, &measured, &evaluation, folder)?;
+        self.files(&mut run, judge, &measured.takes[0], (&evaluation, failures.as_ref()), folder)?;
+        run.failures = failures.map(|failures| failures.by_id()).unwrap_or_default();
         run.error = Some(evaluation.error.clone());
         run.temporal = evaluation.temporal.clone();
         let new: Vec<_> = measured.ignored.into_iter().filter(|i| !self.report.ignored.contains(i)).collect();
@@ -303,9 +324,15 @@ impl Experiment<'_> {
         self.pictures.runs.push(None);
     }
 
-    fn files(&mut self, run: &mut Run, judge: &Judge, measured: &Measured, evaluation: &Evaluation, folder: &str) -> Result<(), LabError> {
-        let take = &measured.takes[0];
-        let shown = pictures(judge, take, evaluation);
+    fn files(
+        &mut self,
+        run: &mut Run,
+        judge: &Judge,
+        take: &Take,
+        (evaluation, failures): (&Evaluation, Option<&Failures>),
+        folder: &str,
+    ) -> Result<(), LabError> {
+        let shown = pictures(judge, take, evaluation, failures);
         let name = format!("{folder}/{:02}-{}", self.report.runs.len() + 1, slug(&run.label()));
         let mut file = |kind: &str, end: &str| {
             let file = format!("{name}{end}");
@@ -317,6 +344,9 @@ impl Experiment<'_> {
             write_png(&file("composed", "-composed.png")?, composed, &BTreeMap::new())?;
         }
         write_png(&file("heatmap", "-error.png")?, &shown.heat, &BTreeMap::new())?;
+        if let Some(failures) = &shown.failures {
+            write_png(&file("failures", "-failures.png")?, failures, &BTreeMap::new())?;
+        }
         run_exr(judge, take, evaluation).write(&file("exr", ".exr")?)?;
         self.pictures.runs.push(Some(shown));
         Ok(())

@@ -6,6 +6,7 @@
 mod error;
 mod evaluate;
 mod experiment;
+pub mod failures;
 mod host;
 pub mod html;
 pub mod judge;

@@ -93,8 +93,11 @@ pub fn measure(
             }
         }
     }
+    let lights = renderer.light_names().len();
+    let per_light = role == Role::DirectVisibility && lights > 0;
     let cost = Cost {
         gpu_ms: Some(percentile(&gpu, 0.5)),
+        gpu_ms_per_light: per_light.then(|| percentile(&gpu, 0.5) / lights as f64),
         gpu_ms_p95: Some(percentile(&gpu, 0.95)),
         cpu_ms: percentile(&cpu, 0.5),
         memory_bytes,

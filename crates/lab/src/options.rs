@@ -2,6 +2,7 @@
 
 use crate::Look;
 use glam::UVec2;
+use kajo_scene::Culling;
 use std::path::PathBuf;
 
 /// What `kajo compare` was asked for.
@@ -39,6 +40,8 @@ pub struct CompareOptions {
     pub animation: Option<String>,
     /// Role ambient visibility: how far a surface blocks, m; `None`: a tenth of the scene's diagonal.
     pub ambient_distance: Option<f32>,
+    /// Instances that rays of the techniques do not meet; the reference has all.
+    pub ray_culling: Culling,
     /// Seed of the reference, and first seed of the techniques.
     pub seed: u64,
     /// Threads of the reference; `None`: all.
@@ -73,6 +76,7 @@ impl Default for CompareOptions {
             time: 0.0,
             animation: None,
             ambient_distance: None,
+            ray_culling: Culling::Off,
             seed: 0,
             threads: None,
         }
@@ -125,6 +129,9 @@ impl CompareOptions {
         if let Some(distance) = self.ambient_distance {
             flag("--ambient-distance", distance.to_string());
         }
+        if self.ray_culling != Culling::Off {
+            flag("--ray-culling", self.ray_culling.to_string());
+        }
         flag("--seed", self.seed.to_string());
         if self.techniques.is_empty() {
             words.push("--all".into());
@@ -154,12 +161,13 @@ mod tests {
             reference: ReferenceStop::Noise(0.01),
             budget_ms: Some(2.5),
             time: 0.5,
+            ray_culling: Culling::SolidAngle(0.001),
             look: Some(Look { from: glam::Vec3::new(-1.0, 2.5, 3.0), at: glam::Vec3::ZERO, fov: Some(40.0) }),
             ..CompareOptions::default()
         };
         assert_eq!(
             options.command(),
-            r"kajo compare builtin:shadows 'my scene'\''s.glb' -o report --role direct-visibility --technique shadow/map:resolution=512 --technique shadow/none --size 320x180 --reference-noise 0.01 --frames 10 --repeat 4 --budget-ms 2.5 --look-from -1,2.5,3 --look-at 0,0,0 --fov 40 --frame 0.5 --seed 0"
+            r"kajo compare builtin:shadows 'my scene'\''s.glb' -o report --role direct-visibility --technique shadow/map:resolution=512 --technique shadow/none --size 320x180 --reference-noise 0.01 --frames 10 --repeat 4 --budget-ms 2.5 --look-from -1,2.5,3 --look-at 0,0,0 --fov 40 --frame 0.5 --ray-culling solid-angle:0.001 --seed 0"
         );
         assert!(CompareOptions { scenes: vec!["a".into()], output: "o".into(), ..CompareOptions::default() }.command().ends_with("--all"));
     }

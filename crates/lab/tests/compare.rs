@@ -38,6 +38,8 @@ fn ray_traced_shadows_beat_none_and_the_report_says_so() {
     let composed = |run: &Run| run.error.as_ref().unwrap().composed.as_ref().unwrap().approximation_rmse.unwrap();
     assert!(composed(none) > 1.5 * composed(traced), "{} {}", composed(none), composed(traced));
     assert!(traced.cost.as_ref().unwrap().rays > 0 && none.cost.as_ref().unwrap().rays == 0);
+    let cost = traced.cost.as_ref().unwrap();
+    assert!((cost.gpu_ms_per_light.unwrap() * 3.0 - cost.gpu_ms.unwrap()).abs() < 1e-9, "a sun, a spot and a lantern");
 
     let decision = &report.decisions[0];
     assert_eq!(report.runs[decision.recommended.unwrap()].label(), "shadow/ray-traced:samples=16");

@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::{UVec2, Vec3};
 use kajo_image::ToneMap;
 use kajo_path_tracer::{EnvironmentSampler, Filter, Integrator, LightSampler, Strategy};
+use kajo_scene::Culling;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -116,7 +117,8 @@ pub struct Render {
     /// Path tracing settings
     #[command(flatten)]
     pub tracing: Tracing,
-    /// Further images in the same EXR, e.g. direct,albedo,visibility.Lamp; `all` for every one
+    /// Further images in the same EXR, e.g. direct,albedo,visibility.Lamp; `all` for every one. shadow-class.Lamp tells umbra (0), penumbra (1) and lit
+    /// (2) at pixel centres; a .png of it alone shows them in colours
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub aov: Vec<String>,
     /// What to estimate [default: path]
@@ -206,6 +208,10 @@ pub struct View {
     /// Ambient visibility: how far surfaces block [default: render: without end; compare: a tenth of the scene's diagonal]
     #[arg(long, value_name = "METRES", allow_negative_numbers = true, value_parser = positive)]
     pub ambient_distance: Option<f64>,
+    /// Leave instances out of what rays meet that start on surfaces: by distance from the camera, outside a frustum widened by so much, by radius, or by the
+    /// solid angle seen from the camera; lights stay. In compare the reference has all [off, distance:M, frustum:M, size:M, solid-angle:SR]
+    #[arg(long, value_name = "WAY:THRESHOLD", default_value = "off")]
+    pub ray_culling: Culling,
 }
 
 /// How light paths are sampled.

@@ -50,6 +50,7 @@ fn options(arguments: &Compare) -> CompareOptions {
         time: arguments.view.frame,
         animation: arguments.view.animation.clone(),
         ambient_distance: arguments.view.ambient_distance.map(|distance| distance as f32),
+        ray_culling: arguments.view.ray_culling,
         seed: arguments.seed,
         threads: arguments.threads.map(usize::from),
     }

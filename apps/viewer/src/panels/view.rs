@@ -4,7 +4,8 @@ use crate::layout::{Layout, PRESETS};
 use crate::metering::Metering;
 use crate::model::Model;
 use crate::show::{CHANNELS, Show};
-use egui::{ComboBox, Slider, Ui};
+use egui::{Color32, ComboBox, RichText, Slider, Ui};
+use kajo_techniques::Role;
 
 /// Pixels of the screen along a side of one that is rendered.
 const COARSENESS: [u32; 4] = [1, 2, 4, 8];
@@ -22,6 +23,7 @@ pub(crate) fn show(ui: &mut Ui, model: &mut Model) {
         model.layout = Layout::new(preset);
     }
     labelled(ui, "shows", |ui| pictures(ui, model));
+    legend(ui, model);
     labelled(ui, "pixels", |ui| {
         for side in COARSENESS {
             let name = if side == 1 { "1:1".to_owned() } else { format!("1/{side}") };
@@ -56,7 +58,9 @@ fn pictures(ui: &mut Ui, model: &mut Model) {
         };
         [Show::Picture, Show::Direct, Show::Role].into_iter().for_each(|show| entry(ui, show));
         let watched = model.frames.as_ref().map(|frames| frames.watched.clone()).unwrap_or_default();
-        watched.into_iter().for_each(|light| entry(ui, Show::Light(light)));
+        watched.iter().for_each(|light| entry(ui, Show::Light(*light)));
+        watched.iter().for_each(|light| entry(ui, Show::Classes(*light)));
+        entry(ui, Show::Failures);
         ui.separator();
         (0..CHANNELS.len()).for_each(|index| entry(ui, Show::Channel(index)));
         ui.separator();
@@ -74,6 +78,31 @@ fn pictures(ui: &mut Ui, model: &mut Model) {
     }
 }
 
+/// What the colours mean; of faults with their shares on side A.
+fn legend(ui: &mut Ui, model: &Model) {
+    if model.show.legend().is_empty() {
+        return;
+    }
+    let failures = model.errors.first().and_then(|side| side.as_ref()?.as_ref().ok()?.failures.as_ref());
+    let shares = failures.filter(|_| model.show == Show::Failures).map(|(_, found)| found.by_id()).unwrap_or_default();
+    ui.horizontal_wrapped(|ui| {
+        for (color, name, meaning) in model.show.legend() {
+            let [r, g, b] = color.0;
+            let share = shares.get(name).map_or_else(String::new, |share| format!(" {:.2} %", 100.0 * share));
+            ui.label(RichText::new("■").color(Color32::from_rgb(r, g, b)));
+            let label = ui.label(format!("{name}{share}"));
+            if !meaning.is_empty() {
+                label.on_hover_text(meaning);
+            }
+        }
+    });
+    if model.show == Show::Failures && model.selection.judged != Role::DirectVisibility {
+        ui.label("Shadows are told by the role direct visibility: judge that.");
+    } else if model.show == Show::Failures && failures.is_none() {
+        ui.label("needs the reference …");
+    }
+}
+
 /// The views that the last frame has.
 fn debug_views(model: &Model) -> Vec<Show> {
     let frame = model.frames.as_ref().and_then(|frames| frames.sides.first()?.as_ref().ok());
@@ -88,6 +117,8 @@ fn name(show: &Show, role: &str, lights: &[String]) -> String {
         Show::Direct => "direct light".to_owned(),
         Show::Role => format!("{}, all lights", role.to_lowercase()),
         Show::Light(index) => format!("visibility of {}", light(*index)),
+        Show::Classes(index) => format!("umbra, penumbra and lit of {}", light(*index)),
+        Show::Failures => "how shadows fail".to_owned(),
         Show::Channel(index) => format!("G-buffer: {}", CHANNELS[*index].0),
         Show::Debug { name, .. } if name.is_empty() => "inner workings of A".to_owned(),
         Show::Debug { name, light } if *light == kajo_techniques::Statistic::NO_LIGHT => name.replace('-', " "),

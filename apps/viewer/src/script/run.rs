@@ -124,9 +124,6 @@ impl Runner {
 
 /// Why no picture can be waited for.
 fn why_empty(app: &App) -> String {
-    if app.model.moment.is_some() {
-        return "the window has no room for a picture beside the panels; make it larger".into();
-    }
     app.messages().last().unwrap_or("there is no scene to see; name one").to_owned()
 }
 
@@ -191,6 +188,8 @@ fn shown(words: &[String]) -> Result<Show, String> {
         ["direct"] => Ok(Show::Direct),
         ["role"] => Ok(Show::Role),
         ["light", index] => Ok(Show::Light(number(index)?)),
+        ["classes", index] => Ok(Show::Classes(number(index)?)),
+        ["failures"] => Ok(Show::Failures),
         ["debug", name, light] => Ok(Show::Debug { name: (*name).to_owned(), light: number(light)? as u32 }),
         ["channel", ..] => {
             let name = words[1..].join(" ");
@@ -199,6 +198,9 @@ fn shown(words: &[String]) -> Result<Show, String> {
                 .map(Show::Channel)
                 .ok_or_else(|| format!("no channel is called `{name}`; there are: {}", CHANNELS.map(|(name, _)| name).join(", ")))
         }
-        _ => Err(format!("`{}` is no picture: picture, direct, role, light N, channel NAME, debug NAME N", words.join(" "))),
+        _ => Err(format!(
+            "`{}` is no picture: picture, direct, role, light N, classes N, failures, channel NAME, debug NAME N",
+            words.join(" ")
+        )),
     }
 }

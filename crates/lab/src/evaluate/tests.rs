@@ -31,7 +31,7 @@ fn an_exact_technique_has_no_error_anywhere() {
     assert_eq!((e.error.image.rmse, e.error.bias, e.error.noise), (0.0, Some(0.0), Some(0.0)));
     assert_eq!((e.error.off_border_mismatch, e.error.border_px, e.temporal.flicker), (Some(0.0), Some(0.0), Some(0.0)));
     assert_eq!(e.error.image.distinguishable, Some(false));
-    assert!(pictures(&judge(), &exact(), &e).crops.is_empty());
+    assert!(pictures(&judge(), &exact(), &e, None).crops.is_empty());
 }
 
 /// Two lights whose errors cancel in their mean are still seen.
@@ -42,7 +42,7 @@ fn planted_swap_of_lights_is_found() {
     assert!(e.error.image.rmse > 0.4 && e.error.off_border_mismatch.unwrap() > 0.1, "{:?}", e.error);
     assert_eq!((e.error.bias, e.error.noise), (None, None), "one seed cannot be split");
     assert_eq!(e.error.lights.len(), 2);
-    let pictures = pictures(&judge(), &swapped, &e);
+    let pictures = pictures(&judge(), &swapped, &e, None);
     assert!(!pictures.crops.is_empty() && pictures.heat.get(20, 24) != pictures.heat.get(2, 2));
 }
 

@@ -5,6 +5,7 @@
 
 mod cards;
 mod chart;
+mod classes;
 mod format;
 mod method;
 mod motion;
@@ -47,6 +48,8 @@ pub struct RunPictures {
     pub heat: Image<Srgb8>,
     /// What the colours of `heat` mean.
     pub heat_scale: String,
+    /// How it fails, in colours; of shadows.
+    pub failures: Option<Image<Srgb8>>,
     /// Where it fails most.
     pub crops: Vec<CropPictures>,
 }
@@ -114,6 +117,8 @@ fn section(report: &Report, pictures: &Pictures, index: usize) -> Markup {
             (table::runs(report, decision, &runs, index))
             (viewer::pictures(report, pictures, decision, &runs, index))
             (table::lights(report, &runs))
+            (classes::failures(report, &runs))
+            (classes::confusion(report, &runs))
             (motion::sequences(report, &runs))
             (motion::counts(report, &runs))
         }

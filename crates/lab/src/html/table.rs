@@ -17,9 +17,10 @@ const fn column(heading: &'static str, help: &'static str, value: fn(&Run) -> Op
     Column { heading, help, value, text }
 }
 
-const COLUMNS: [Column; 22] = [
+const COLUMNS: [Column; 23] = [
     column("GPU ms", "median time of the technique's passes on the device", |r| r.cost.as_ref()?.gpu_ms, short),
     column("p95", "95th percentile of the same, ms", |r| r.cost.as_ref()?.gpu_ms_p95, short),
+    column("ms / light", "the median over the number of lights of the scene", |r| r.cost.as_ref()?.gpu_ms_per_light, short),
     column("RMSE", "root mean square error against the reference", |r| Some(r.error.as_ref()?.image.rmse), short),
     column("bias", "what averaging frames would not remove, RMS", |r| r.error.as_ref()?.bias, short),
     column("noise", "what averaging frames would remove, RMS", |r| r.error.as_ref()?.noise, short),

@@ -26,6 +26,7 @@ fn pictures(report: &Report) -> Pictures {
             image,
             heat,
             heat_scale: "black 0, pale yellow 0.5".into(),
+            failures: Some(image_of_failures(size)),
         }
     };
     Pictures {
@@ -36,6 +37,11 @@ fn pictures(report: &Report) -> Pictures {
             .collect(),
         runs: report.runs.iter().enumerate().map(|(i, r)| r.is_ok().then(|| run(i % 8))).collect(),
     }
+}
+
+fn image_of_failures(size: UVec2) -> Image<kajo_units::Srgb8> {
+    let classes = crate::failures::Class::ALL;
+    Image::from_fn(size, |x, _| classes[(x as usize * classes.len()) / size.x as usize].color())
 }
 
 /// Opens and closes in order; void elements have no end. Returns the number of elements.
@@ -92,6 +98,8 @@ fn everything_that_was_asked_for_is_on_the_page() {
         "Behaviour over time",
         "8 frames behind",
         "What techniques count",
+        "How shadows fail",
+        "Umbra, penumbra and light",
     ];
     for text in said {
         assert!(html.contains(text), "{text}");

@@ -1,5 +1,6 @@
 //! The pictures: a slider between technique and reference, the error, and where it is worst.
 
+use super::classes::legend;
 use super::format::data_uri;
 use super::{Pictures, ReferencePictures, RunPictures};
 use crate::report::{Decision, Report};
@@ -39,9 +40,12 @@ pub fn pictures(report: &Report, pictures: &Pictures, decision: Option<&Decision
             }
             div.tools {
                 div.views role="group" aria-label="What to show" {
-                    @for (view, name) in views(report, section, reference) {
+                    @for (view, name) in views(report, section, reference, &shown) {
                         button type="button" data-view=(view) aria-pressed=(if view == "image" { "true" } else { "false" }) { (name) }
                     }
+                }
+                @if shown.iter().any(|(_, _, p)| p.failures.is_some()) {
+                    @for (_, i, _) in &shown { span.scale data-view="failures" data-run=(i) hidden { (legend()) } }
                 }
                 @for (_, i, p) in &shown { span.scale data-view="error" data-run=(i) hidden { (p.heat_scale) } }
             }
@@ -51,20 +55,28 @@ pub fn pictures(report: &Report, pictures: &Pictures, decision: Option<&Decision
 }
 
 /// What can be shown: its key, and its name for people.
-fn views(report: &Report, section: usize, reference: &ReferencePictures) -> Vec<(&'static str, String)> {
+fn views(
+    report: &Report,
+    section: usize,
+    reference: &ReferencePictures,
+    shown: &[(usize, usize, &RunPictures)],
+) -> Vec<(&'static str, String)> {
     let title = report.references.get(section).map_or_else(|| "image".to_owned(), |r| r.role_title.clone());
     let mut views = vec![("image", title)];
     if reference.composed.is_some() {
         views.push(("composed", "The picture with it".into()));
     }
     views.push(("error", "Its error".into()));
+    if shown.iter().any(|(_, _, p)| p.failures.is_some()) {
+        views.push(("failures", "How it fails".into()));
+    }
     views
 }
 
 /// The error is shown over the reference of the role's image.
 fn references(reference: &ReferencePictures) -> Markup {
     html! {
-        img.under data-view="image error" src=(data_uri(&reference.image)) alt="Path-traced reference";
+        img.under data-view="image error failures" src=(data_uri(&reference.image)) alt="Path-traced reference";
         @if let Some(composed) = &reference.composed {
             img.under data-view="composed" hidden src=(data_uri(composed)) alt="Path-traced picture";
         }
@@ -80,6 +92,7 @@ fn shots(p: &RunPictures, run: usize, first: bool, label: &str) -> Markup {
         (shot("image", &p.image, "Image"))
         @if let Some(composed) = &p.composed { (shot("composed", composed, "Picture")) }
         (shot("error", &p.heat, "Error"))
+        @if let Some(failures) = &p.failures { (shot("failures", failures, "Failures")) }
     }
 }
 

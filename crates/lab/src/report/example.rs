@@ -2,7 +2,7 @@
 
 use super::*;
 
-use kajo_image_metrics::{MseDifference, View};
+use kajo_image_metrics::{ClassShares, MseDifference, View};
 
 fn comparison(rmse: f64, floor: f64) -> Comparison {
     Comparison {
@@ -46,6 +46,11 @@ fn run(scene: &str, technique: &str, changed: &[(&str, serde_json::Value)], rmse
             off_border_mismatches: Some((rmse * 9000.0) as u64),
             border_error: Some(rmse * 3.0),
             border_px: Some(rmse * 20.0),
+            shadow_classes: Some(ClassConfusion {
+                umbra: ClassShares { umbra: 0.2, penumbra: 0.0, lit: 0.1 * rmse },
+                penumbra: ClassShares { umbra: 0.04, penumbra: 0.02, lit: 0.04 },
+                lit: ClassShares { umbra: 0.0, penumbra: 0.1 * rmse, lit: 0.7 - 0.2 * rmse },
+            }),
             lights: vec![LightError { light: "Key".into(), rmse, off_border_mismatch: rmse * 0.05, border_px: Some(rmse * 20.0) }],
             composed: Some(ComposedError {
                 against: "direct".into(),
@@ -67,12 +72,13 @@ fn run(scene: &str, technique: &str, changed: &[(&str, serde_json::Value)], rmse
         cost: Some(Cost {
             gpu_ms: Some(ms),
             gpu_ms_p95: Some(ms * 1.2),
+            gpu_ms_per_light: Some(ms / 3.0),
             cpu_ms: ms * 1.6,
             memory_bytes: 16 << 20,
             rays: 0,
             statistics: BTreeMap::from([("polygons".to_owned(), vec![420])]),
         }),
-        failures: BTreeMap::new(),
+        failures: BTreeMap::from([("acne".to_owned(), 0.01 * rmse), ("leak".to_owned(), 0.02 * rmse), ("missed-penumbra".to_owned(), 0.0)]),
         images: BTreeMap::new(),
     }
 }

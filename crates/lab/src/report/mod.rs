@@ -7,7 +7,7 @@ pub use csv::to_csv;
 pub(crate) use decision::short;
 pub use decision::{Candidate, Certainty, Decision, SIGMAS, decide, pareto_front};
 
-use kajo_image_metrics::Comparison;
+use kajo_image_metrics::{ClassConfusion, Comparison};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -158,7 +158,7 @@ pub struct Run {
     pub temporal: Temporal,
     /// Cost of a frame; `null` when skipped.
     pub cost: Option<Cost>,
-    /// Share of pixels in each failure class.
+    /// Share of each class of failure in all pixels that show a surface, lights counted one by one: see [`crate::failures`].
     pub failures: BTreeMap<String, f64>,
     /// Files of its images, by kind.
     pub images: BTreeMap<String, String>,
@@ -214,6 +214,10 @@ pub struct RunError {
     /// Mean distance between the shadow borders, px (visibility).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub border_px: Option<f64>,
+    /// Which of umbra, penumbra and lit the technique takes for which: `shadow_classes.penumbra.lit` is the share of pixels that are penumbra in the
+    /// reference and lit in the image (visibility).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shadow_classes: Option<ClassConfusion>,
     /// The same for each light (visibility).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub lights: Vec<LightError>,
@@ -289,6 +293,9 @@ pub struct Cost {
     pub gpu_ms: Option<f64>,
     /// 95th percentile of the same.
     pub gpu_ms_p95: Option<f64>,
+    /// The median over the number of lights of the scene (visibility of lights).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gpu_ms_per_light: Option<f64>,
     /// Median wall-clock time of the whole frame, recording and waiting included.
     pub cpu_ms: f64,
     /// What the technique keeps on the device, bytes.

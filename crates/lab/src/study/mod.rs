@@ -5,6 +5,7 @@
 
 mod findings;
 mod fit;
+mod instance_culling;
 mod light_depth;
 mod page;
 mod plot;
@@ -53,6 +54,7 @@ pub const ALL: &[Study] = &[
     shadow_wedges::STUDY,
     shadow_cost::STUDY,
     shadow_perception::STUDY,
+    instance_culling::STUDY,
 ];
 
 /// What a study is given.
@@ -214,6 +216,14 @@ mod tests {
     fn shadows_tell_the_height_of_objects() {
         let findings = holds("shadow-perception");
         assert!(findings.pictures.len() >= 4, "a pair of pictures for each arrangement");
+    }
+
+    /// Row RM-27.
+    #[test]
+    fn many_instances_can_be_left_out_of_reflections() {
+        let findings = holds("instance-culling");
+        let ways: BTreeSet<String> = findings.tables[0].rows.iter().map(|row| row[0].shown()).collect();
+        assert_eq!(ways.len(), 4, "{ways:?}");
     }
 
     /// Row SH-15.

@@ -3,6 +3,7 @@
 mod denoise;
 mod realtime;
 mod reference;
+mod shadow_class;
 mod write;
 
 use crate::arguments::{Common, Render, RendererChoice, SamplerChoice};
@@ -29,7 +30,10 @@ pub fn run(common: &Common, arguments: &Render) -> Outcome {
 fn check(arguments: &Render) -> Outcome {
     let format = write::Format::of(&arguments.output)?;
     if !arguments.aov.is_empty() && format != write::Format::Exr {
-        return Err(Failure::usage("--aov writes layers of one file, which only .exr has; change the name of the output"));
+        if format == write::Format::Hdr {
+            return Err(Failure::usage("--aov writes layers of one file, which only .exr has; change the name of the output"));
+        }
+        shadow_class::check_png(arguments)?;
     }
     if arguments.renderer == RendererChoice::Reference && !arguments.technique.is_empty() {
         return Err(Failure::usage("--technique chooses for the real-time renderer; add --renderer realtime"));

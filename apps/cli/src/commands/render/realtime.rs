@@ -1,5 +1,6 @@
 //! `kajo render --renderer realtime`: one frame of the real-time renderer with chosen techniques, or the mean of `--spp` frames.
 
+use super::shadow_class::{self, Classes};
 use super::write::{Picture, provenance};
 use crate::arguments::{Common, Render};
 use crate::failure::{Failure, Outcome};
@@ -20,7 +21,7 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     let (previous, _) = view::snapshot(scene, &arguments.view, time - 1.0 / arguments.fps)?;
     let size = arguments.size.map_or_else(|| snapshot.cameras[camera].camera.default_image_size(), |size| size.0);
     let device = Device::new()?;
-    let settings = RendererSettings { camera, ..RendererSettings::new(size) };
+    let settings = RendererSettings { camera, ray_culling: arguments.view.ray_culling, ..RendererSettings::new(size) };
     let mut renderer = Renderer::new(&device, scene, &snapshot, settings)?;
     renderer.set_snapshot(&snapshot, &previous)?;
     let seed = arguments.tracing.seed as u32;
@@ -55,8 +56,15 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
 
     let mut metadata = provenance();
     metadata.insert("adapter".into(), device.info().name.clone());
-    let layers = chosen_layers(&arguments.aov, layers(&frame, renderer.light_names()))?;
-    Picture { image: &frame.color, layers, metadata, scene_exposure: scene.exposure }.write(arguments, output)?;
+    let classes = classes(&frame, renderer.light_names())?;
+    let light = arguments.aov.first().and_then(|word| shadow_class::light_of(word)).filter(|_| shadow_class::is_picture(arguments));
+    let mut layers = layers(&frame, renderer.light_names());
+    layers.extend(classes.iter().map(Classes::layer));
+    let layers = chosen_layers(&arguments.aov, layers)?;
+    match light.and_then(|light| classes.iter().find(|classes| classes.light() == light)) {
+        Some(one) => shadow_class::write(one, metadata, output, common.quiet || common.json)?,
+        None => Picture { image: &frame.color, layers, metadata, scene_exposure: scene.exposure }.write(arguments, output)?,
+    }
     if let Some(path) = &arguments.stats {
         kajo_image::write_atomic(path, serde_json::to_string_pretty(&stats)?.as_bytes())?;
     }
@@ -143,6 +151,13 @@ fn layers(frame: &FrameOutput, lights: &[String]) -> Vec<Layer> {
         ]);
     }
     layers
+}
+
+/// Umbra, penumbra and lit of each light, where the G-buffer was read back.
+fn classes(frame: &FrameOutput, lights: &[String]) -> Outcome<Vec<Classes>> {
+    let Some(gbuffer) = &frame.gbuffer else { return Ok(Vec::new()) };
+    let seen = gbuffer.depth.map(|depth| depth.is_finite());
+    lights.iter().zip(&frame.visibility).map(|(light, visibility)| Classes::new(light, visibility, &seen)).collect()
 }
 
 /// The layers that `--aov` names; `all` is every one, `visibility.*` those of every light.

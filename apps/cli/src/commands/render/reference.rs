@@ -1,6 +1,7 @@
 //! `kajo render --renderer reference`: the path tracer, with progress, checkpoints and statistics.
 
 use super::denoise;
+use super::shadow_class::{self, Classes};
 use super::write::{Picture, provenance};
 use crate::arguments::{Common, Render};
 use crate::failure::{Failure, Outcome};
@@ -8,7 +9,7 @@ use crate::path_tracing::{self, DEFAULT_SPP, in_pool, max_depth};
 use crate::{output, progress, view};
 use indicatif::ProgressBar;
 use kajo_image::Layer;
-use kajo_path_tracer::{Aov, Control, Film, Frame, PathTracerError, Progress, Settings, Stop, Tracer, render};
+use kajo_path_tracer::{Aov, Control, Film, Filter, Frame, FrameImage, PathTracerError, Pixels, Progress, Settings, Stop, Tracer, render};
 use kajo_scene::{Scene, Snapshot};
 use kajo_units::Seconds;
 use serde_json::{Value, json};
@@ -34,9 +35,15 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
         integrator: arguments.integrator.unwrap_or_default(),
         adaptive: arguments.adaptive,
         ambient_distance: arguments.view.ambient_distance.map_or(f32::INFINITY, |distance| distance as f32),
-        aovs: if arguments.denoise { denoise::with_features(&wanted) } else { wanted.clone() },
+        aovs: with_sources(if arguments.denoise { denoise::with_features(&wanted) } else { wanted.clone() }, &arguments.aov),
         ..path_tracing::settings(&arguments.tracing, size, camera, arguments.spp.unwrap_or(DEFAULT_SPP))
     };
+    let settings = match arguments.tracing.filter {
+        // Classes are of points.
+        None if asks_for_classes(&arguments.aov) => Settings { filter: Filter::Center, ..settings },
+        _ => settings,
+    };
+    let tracer = tracer.with_culling(arguments.view.ray_culling, &settings)?;
     let film = resumed(arguments)?;
     let watch = Watch::new(common, arguments.checkpoint.clone(), output);
     let film = in_pool(arguments.tracing.threads, || render(&tracer, &settings, stop(arguments), film, &watch))?.map_err(failure)?;
@@ -59,8 +66,14 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     let mut metadata = provenance();
     metadata.extend(stats.as_object().into_iter().flatten().map(|(key, value)| (key.clone(), value.to_string())));
     let image = denoised.as_ref().map_or(frame.beauty(), |denoised| &denoised.image);
-    let picture = Picture { image, layers: layers(&frame, &wanted, denoised.is_some()), metadata, scene_exposure: scene.exposure };
-    picture.write(arguments, output)?;
+    let classes = classes(&frame, &arguments.aov)?;
+    match &classes[..] {
+        [one] if shadow_class::is_picture(arguments) => shadow_class::write(one, metadata, output, common.quiet || common.json)?,
+        _ => {
+            let layers = layers(&frame, &wanted, denoised.is_some()).into_iter().chain(classes.iter().map(Classes::layer)).collect();
+            Picture { image, layers, metadata, scene_exposure: scene.exposure }.write(arguments, output)?;
+        }
+    }
     if let Some(path) = &arguments.stats {
         kajo_image::write_atomic(path, serde_json::to_string_pretty(&stats)?.as_bytes())?;
     }
@@ -96,7 +109,8 @@ fn stop(arguments: &Render) -> Stop {
 fn aovs(words: &[String], tracer: &Tracer, max_depth: u32) -> Outcome<Vec<Aov>> {
     const MAX_BOUNCE_LAYERS: u32 = 8;
     let mut aovs: Vec<Aov> = Vec::new();
-    for word in words.iter().map(|word| word.trim()).filter(|word| !word.is_empty() && *word != "beauty") {
+    let derived = |word: &&str| shadow_class::light_of(word).is_some();
+    for word in words.iter().map(|word| word.trim()).filter(|word| !word.is_empty() && *word != "beauty" && !derived(word)) {
         if word == "all" {
             aovs.extend(tracer.all_aovs(max_depth.min(MAX_BOUNCE_LAYERS)));
         } else {
@@ -110,6 +124,35 @@ fn aovs(words: &[String], tracer: &Tracer, max_depth: u32) -> Outcome<Vec<Aov>> 
         }
     });
     Ok(unique)
+}
+
+fn asks_for_classes(words: &[String]) -> bool {
+    words.iter().any(|word| shadow_class::light_of(word).is_some())
+}
+
+/// The images, with those that classes are derived from.
+fn with_sources(mut aovs: Vec<Aov>, words: &[String]) -> Vec<Aov> {
+    let lights = words.iter().filter_map(|word| shadow_class::light_of(word));
+    let sources = lights.flat_map(|light| [Aov::Visibility(light.to_owned()), Aov::Coverage]);
+    sources.for_each(|source| {
+        if !aovs.contains(&source) {
+            aovs.push(source);
+        }
+    });
+    aovs
+}
+
+/// Umbra, penumbra and lit of each light that was asked for.
+fn classes(frame: &Frame, words: &[String]) -> Outcome<Vec<Classes>> {
+    let scalar = |image: &FrameImage| match &image.pixels {
+        Pixels::Scalar(pixels) => Some(pixels.clone()),
+        Pixels::Color(_) | Pixels::Vector(_) => None,
+    };
+    let Some(coverage) = frame.image(&Aov::Coverage.to_string()).and_then(scalar) else { return Ok(Vec::new()) };
+    let seen = coverage.map(|share| *share > 0.5);
+    let asked = |light: &str| words.iter().filter_map(|word| shadow_class::light_of(word)).any(|word| word == "*" || word == light);
+    let visibilities = frame.images.iter().filter_map(|image| Some((image.name.strip_prefix("visibility.")?, scalar(image)?)));
+    visibilities.filter(|(light, _)| asked(light)).map(|(light, visibility)| Classes::new(light, &visibility, &seen)).collect()
 }
 
 /// The film of `--resume`.

@@ -103,11 +103,15 @@ fn reflections_are_judged_by_the_path_tracer() {
     let words =
         [&["compare", "builtin:mirror-room", "-o", "report", "--role", "specular-indirect"][..], &size, &["--technique", techniques]];
     let report = json(folder.path(), &words.concat());
-    let rmse = |id: &str| {
-        let run = report["runs"].as_array().unwrap().iter().find(|run| run["technique"] == id).unwrap();
+    let error = |name: &str, key: &str| {
+        let id = format!("reflection/{name}");
+        let run = report["runs"].as_array().unwrap().iter().find(|run| run["technique"] == id.as_str()).unwrap();
         assert_eq!(run["status"], "ok", "{run}");
-        run["error"]["rmse"].as_f64().unwrap()
+        run["error"][key].as_f64().unwrap()
     };
-    let [none, screen, planar, traced] = ["none", "ssr-dda", "planar", "ray-traced"].map(|name| rmse(&format!("reflection/{name}")));
-    assert!(screen < 0.95 * none && planar < 0.7 * none && traced < 0.7 * planar, "{none} {screen} {planar} {traced}");
+    let [none, screen, planar] = ["none", "ssr-dda", "planar"].map(|name| error(name, "rmse"));
+    assert!(screen < 0.8 * none && planar < 0.7 * none, "{none} {screen} {planar}");
+    // What bounces on is in the reference and in the paths, not in what is drawn once.
+    let [drawn, paths] = ["planar", "ray-traced"].map(|name| error(name, "mean_ratio"));
+    assert!(drawn < 0.7 && (0.85..1.1).contains(&paths), "{drawn} {paths}");
 }

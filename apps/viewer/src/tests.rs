@@ -83,7 +83,7 @@ fn classes_and_failures_are_seen_in_their_colours() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let script = format!(
-        "open builtin:penumbra\nsize 1200x700\ncoarseness 1\nsamples 32\ntechnique shadow/map:kernel=0\nshow failures\nwait\nexpect quiet\nsave {}\ntechnique \
+        "open builtin:penumbra\nsize 1200x700\npicture\ncoarseness 1\nsamples 32\ntechnique shadow/map:kernel=0\nshow failures\nwait\nexpect quiet\nsave {}\ntechnique \
          shadow/ray-traced\nshow classes 0\nwait\nexpect quiet\nsave {}",
         path("failures.png").display(),
         path("classes.png").display()
@@ -107,6 +107,14 @@ fn broken_files_and_foreign_ones_are_told_and_the_scene_stays() {
         broken.display()
     );
     run(&script).unwrap();
+}
+
+#[test]
+fn a_window_without_room_for_a_picture_is_told_from_one_without_a_scene() {
+    let error = run("open builtin:cornell\nwait\nsize 0x0\nframes 2\npicture").unwrap_err();
+    assert!(error.contains("no room"), "{error}");
+    let error = run("picture").unwrap_err();
+    assert!(error.contains("no scene"), "{error}");
 }
 
 #[test]

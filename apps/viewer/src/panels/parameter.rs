@@ -6,6 +6,10 @@ use kajo_params::{ParamKind, ParamSpec, ParamValues, Value};
 /// Ratio of the ends of a range from which a slider is logarithmic.
 const LOGARITHMIC: f64 = 1000.0;
 
+/// Room that a slider leaves for its number, and for each letter of the unit, points.
+const NUMBER: f32 = 90.0;
+const LETTER: f32 = 9.0;
+
 /// Sliders and fields for all parameters. True when one was changed.
 pub(crate) fn show_all(ui: &mut Ui, name: &str, params: &mut ParamValues) -> bool {
     let current: Vec<(&'static ParamSpec, Value)> = params.iter().collect();
@@ -35,7 +39,9 @@ fn show(ui: &mut Ui, spec: &ParamSpec, value: Value) -> Option<String> {
 
 fn edit(ui: &mut Ui, spec: &ParamSpec, value: Value) -> Option<String> {
     let suffix = if spec.unit.is_empty() { String::new() } else { format!(" {}", spec.unit) };
-    ui.spacing_mut().slider_width = (ui.available_width() - 90.0).max(60.0);
+    // What does not fit would widen the panel, and a wider panel the slider, frame after frame.
+    let number = NUMBER + LETTER * suffix.chars().count() as f32;
+    ui.spacing_mut().slider_width = (ui.available_width() - number).max(60.0);
     match (spec.kind, value) {
         (ParamKind::Float { min, max }, Value::Float(mut v)) => {
             let logarithmic = min >= 0.0 && max / min.max(f64::MIN_POSITIVE) >= LOGARITHMIC && max >= LOGARITHMIC;

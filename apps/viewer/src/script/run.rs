@@ -124,6 +124,9 @@ impl Runner {
 
 /// Why no picture can be waited for.
 fn why_empty(app: &App) -> String {
+    if app.model.moment.is_some() {
+        return "the window has no room for a picture beside the panels; make it larger".into();
+    }
     app.messages().last().unwrap_or("there is no scene to see; name one").to_owned()
 }
 

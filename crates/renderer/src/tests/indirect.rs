@@ -2,7 +2,7 @@
 
 use super::scenes::*;
 use crate::{FrameOutput, FrameSettings, Read, RoleSelection};
-use glam::{Affine3A, UVec2, Vec3};
+use glam::{Affine3A, UVec2, Vec3, Vec3Swizzles};
 use kajo_image::Image;
 use kajo_path_tracer::{Aov, Filter, Settings, Stop, Tracer, render, uncontrolled};
 use kajo_render_graph::Device;
@@ -300,15 +300,19 @@ fn paths_converge_to_the_path_tracer() {
     }
 }
 
-/// Points in a crease, which rounding may put behind the other wall, see their probes.
+/// Points in a crease, which rounding may put behind the other wall, see their probes and virtual lights.
 #[test]
 fn creases_are_lit() {
     let device = Device::new().unwrap();
     let scene = builtin::load("cornell").unwrap();
     // The diagonals of the image run along the edges between walls.
     let size = UVec2::splat(12);
-    let out = indirect(&device, &scene, size, "gi/probes", &[("probes", "8"), ("rays", "64")]);
-    let seen = out.gbuffer.as_ref().unwrap().instance.pixels();
-    let dark = irradiance(&out).pixels().iter().zip(seen).filter(|(e, seen)| seen.is_some() && e.0.max_element() < 1e-3).count();
-    assert_eq!(dark, 0);
+    for (technique, params) in [("gi/probes", [("probes", "8"), ("rays", "64")]), ("gi/vpl", [("paths", "512"), ("samples", "0")])] {
+        let out = indirect(&device, &scene, size, technique, &params);
+        let gbuffer = out.gbuffer.as_ref().unwrap();
+        // The lamp hides the ceiling above it.
+        let counts = |i: usize| gbuffer.instance.pixels()[i].is_some() && gbuffer.position.pixels()[i].xz().abs().max_element() > 0.25;
+        let dark = irradiance(&out).pixels().iter().enumerate().filter(|(i, e)| counts(*i) && e.0.max_element() < 1e-3).count();
+        assert_eq!(dark, 0, "{technique}");
+    }
 }

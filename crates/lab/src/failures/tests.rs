@@ -13,7 +13,7 @@ const END: u32 = 70;
 /// A wall that turns away from the light, and the floor before it, 1 cm a pixel. The light shines over the wall.
 fn gbuffer() -> GBufferImages {
     let is_wall = |y: u32| y < FOOT;
-    let image = |f: &dyn Fn(u32, u32) -> Vec3| Image::from_fn(SIZE, |x, y| f(x, y));
+    let image = |f: &dyn Fn(u32, u32) -> Vec3| Image::from_fn(SIZE, f);
     let normal = image(&|_, y| if is_wall(y) { Vec3::Z } else { Vec3::Y });
     let grey = Image::from_fn(SIZE, |_, _| LinearRgb::WHITE);
     GBufferImages {

@@ -75,6 +75,9 @@ def kajo(args, file, folder):
     command += ["--reference-spp", "1", "--frames", str(args.frames), "--repeat", "1", "--quiet"]
     subprocess.run(command, check=True)
     runs = json.loads((folder / "report" / "report.json").read_text())["runs"]
+    for run in runs:
+        if run["cost"] is None:
+            raise SystemExit(f"{run['technique']}: {run['status']}")
     by_id = {run["technique"]: run["cost"]["gpu_ms"] for run in runs}
     return {name: by_id[text.split(":")[0]] for name, text in TECHNIQUES.items()}
 

@@ -4,8 +4,9 @@
 //! asked when what is seen differs from what was asked.
 
 use crate::frames::{self, Frames};
-use crate::metering::{Metering, adapted};
+use crate::metering::{LONGEST_STEP, Metering, adapted};
 use crate::model::Model;
+use crate::show::Show;
 use crate::stage::{Kind, Source, Stage};
 use crate::textures::Textures;
 use crate::worker::{Wake, Worker};
@@ -37,8 +38,8 @@ pub(crate) struct App {
 struct Asked {
     frames: Option<frames::Question>,
     reference: Option<reference::Question>,
-    /// Numbers of the frames and of the reference.
-    errors: (u64, u64),
+    /// Numbers of the frames and of the reference, and whether it was asked how shadows fail.
+    errors: (u64, u64, bool),
     /// Frames so far, references so far.
     arrived: (u64, u64),
 }
@@ -106,7 +107,13 @@ impl App {
     pub fn is_settled(&self) -> bool {
         let asked = self.asked.frames == self.model.frame_question() && self.asked.reference == self.model.reference_question();
         let idle = self.loader.is_idle() && self.frames.is_idle() && self.reference.is_idle() && self.errors.is_idle();
-        asked && idle && self.asked.errors == self.asked.arrived
+        asked && idle && self.asked.errors == self.arrived()
+    }
+
+    /// What the errors are to be of.
+    fn arrived(&self) -> (u64, u64, bool) {
+        let (frames, references) = self.asked.arrived;
+        (frames, references, self.model.show == Show::Failures)
     }
 
     /// True when there is a frame of what is seen, or it is known why there is none.
@@ -175,7 +182,8 @@ impl App {
 
     /// Middle grey for the mean of the first frame of a scene that does not say how it is to be exposed, or of every frame where that is wanted.
     fn expose(&mut self, frames: &Frames) {
-        let elapsed = self.metered.elapsed();
+        // A window at rest has no frames: what was metered long ago is followed as if it had just been seen.
+        let elapsed = self.metered.elapsed().min(LONGEST_STEP);
         self.metered = Instant::now();
         let current = self.model.moment.as_ref().is_some_and(|moment| moment.is(&frames.question.shot.moment));
         let Some(Ok(frame)) = frames.sides.first().filter(|_| current) else { return };
@@ -228,12 +236,12 @@ impl App {
                 self.asked.reference = None;
             }
         }
-        if self.asked.errors != self.asked.arrived {
+        if self.asked.errors != self.arrived() {
             match self.model.errors_question() {
                 Some(question) => self.errors.ask(question),
                 None => self.model.errors.clear(),
             }
-            self.asked.errors = self.asked.arrived;
+            self.asked.errors = self.arrived();
         }
     }
 }

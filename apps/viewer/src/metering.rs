@@ -17,6 +17,9 @@ pub(crate) enum Metering {
 /// Time in which the exposure comes closer to what is metered by the factor e: an eye that steps into the light takes about as long.
 const ADAPTATION: f32 = 0.4;
 
+/// Longest time between frames in which an exposure follows.
+pub(crate) const LONGEST_STEP: Duration = Duration::from_millis(100);
+
 /// Difference in stops that nobody sees: the exposure rests within it, and with it the picture.
 const REST: f32 = 0.05;
 

@@ -83,7 +83,7 @@ fn classes_and_failures_are_seen_in_their_colours() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let script = format!(
-        "open builtin:penumbra\nsize 1200x700\npicture\ncoarseness 1\nsamples 32\ntechnique shadow/map:kernel=0\nshow failures\nwait\nexpect quiet\nsave {}\ntechnique \
+        "open builtin:penumbra\nsize 1200x700\npicture\ncoarseness 1\nsamples 32\ntechnique shadow/map:kernel=0\nshow classes 0\nwait\nshow failures\nwait\nexpect quiet\nsave {}\ntechnique \
          shadow/ray-traced\nshow classes 0\nwait\nexpect quiet\nsave {}",
         path("failures.png").display(),
         path("classes.png").display()

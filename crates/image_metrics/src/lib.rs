@@ -27,7 +27,7 @@ pub use floor::{MseDifference, is_above_floor, mse_difference, rmse_floor};
 pub use heat_map::{Palette, heat_map};
 pub use pointwise::{REL_MSE_EPSILON, error_image, mean_ratio, mse, psnr, rel_mse, rmse};
 pub use scatter::{Scatter, scatter};
-pub use shadow_class::{ClassConfusion, ClassShares, ShadowClass, class_picture, shadow_classes};
+pub use shadow_class::{ClassConfusion, ClassShares, ShadowClass, TOLERANCE, class_picture, shadow_classes};
 pub use ssim::ssim;
 pub use view::{Transfer, View};
 pub use visibility::{ShadowBorder, border_distance, distance_to, shadow_border};

@@ -150,8 +150,10 @@ impl Experiment<'_> {
         let rendered =
             self.pool.install(|| references(&tracer, &roles, &settings, self.options.reference, self.progress, &reference_share))?;
         let Some(mut references) = rendered else { return Ok(false) };
-        if let Some(judge) = references.judges.get_mut(Role::DirectVisibility.id()) {
-            self.pool.install(|| settle(judge, &tracer, &settings))?;
+        if let Some(judge) = references.judges.get_mut(Role::DirectVisibility.id())
+            && !self.pool.install(|| settle(judge, &tracer, &settings, self.progress))?
+        {
+            return Ok(false);
         }
         self.warn_about(&subject, &references, tracer.visibility_light_names().count());
 

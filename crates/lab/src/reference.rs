@@ -81,7 +81,7 @@ fn visibilities(tracer: &Tracer) -> Vec<Aov> {
     judged_lights(tracer).into_iter().map(|light| Aov::Visibility(tracer.light_names()[light].clone())).collect()
 }
 
-/// Direct light that the real-time renderer leaves out: that of the environment and of unlit surfaces.
+/// Direct light of no light of the role direct visibility: that of the environment and of unlit surfaces.
 fn not_simulated_direct(tracer: &Tracer) -> Vec<Aov> {
     let simulated = tracer.visibility_light_names().count();
     tracer.light_names()[simulated..].iter().cloned().map(Aov::DirectLight).collect()

@@ -4,31 +4,34 @@
 //! lies. A technique whose sample lies a thousandth of a pixel elsewhere may see it, and is right. Whether a pixel is away from every border is therefore asked of
 //! samples all over its neighbourhood.
 
-use crate::LabError;
 use crate::judge::Judge;
+use crate::{LabError, Progress};
 use kajo_image::Image;
-use kajo_path_tracer::{Aov, Filter, Integrator, Settings, Stop, Tracer, render, uncontrolled};
+use kajo_image_metrics::TOLERANCE;
+use kajo_path_tracer::{Aov, Filter, Integrator, Settings, Stop, Tracer, render};
 use kajo_units::LinearRgb;
+use std::ops::ControlFlow;
 
 /// Samples of each pixel: with its neighbours 144 for the area within which a border counts as near.
-const SPP: u32 = 16;
+pub(crate) const SPP: u32 = 16;
 
-/// Visibilities that differ by less are the same.
-const EPSILON: f32 = 1e-3;
-
-/// Fills [`Part::settled`](crate::judge::Part::settled) of a judge of the role direct visibility.
+/// Fills [`Part::settled`](crate::judge::Part::settled) of a judge of the role direct visibility; false when interrupted.
 ///
 /// # Errors
 /// Settings that the tracer refuses.
-pub(crate) fn settle(judge: &mut Judge, tracer: &Tracer, base: &Settings) -> Result<(), LabError> {
+pub(crate) fn settle(judge: &mut Judge, tracer: &Tracer, base: &Settings, progress: &dyn Progress) -> Result<bool, LabError> {
     let aovs: Vec<Aov> = judge.parts.iter().map(|part| part.name.parse()).collect::<Result<_, _>>()?;
     let settings = Settings { integrator: Integrator::Direct, filter: Filter::Box, aovs, ..base.clone() };
-    let frame = render(tracer, &settings, Stop::at_spp(SPP), None, &uncontrolled)?.develop();
+    let control = |_: &kajo_path_tracer::Progress| if progress.interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let frame = render(tracer, &settings, Stop::at_spp(SPP), None, &control)?.develop();
+    if progress.interrupted() {
+        return Ok(false);
+    }
     for part in &mut judge.parts {
         let area = frame.image(&part.name).expect("an image that was asked for").pixels.to_color();
         part.settled = Some(settled(&part.image, &area));
     }
-    Ok(())
+    Ok(true)
 }
 
 /// False where the image is the same at a pixel's centre and at those of its neighbours, and yet not over their areas: a border runs between the centres.
@@ -39,7 +42,7 @@ fn settled(centers: &Image<LinearRgb>, area: &Image<LinearRgb>) -> Image<bool> {
         let all_own = |image: &Image<LinearRgb>| {
             let columns = x.saturating_sub(1)..=(x + 1).min(width - 1);
             let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
-            rows.flat_map(|v| columns.clone().map(move |u| (u, v))).all(|(u, v)| (image.get(u, v)[0] - own).abs() < EPSILON)
+            rows.flat_map(|v| columns.clone().map(move |u| (u, v))).all(|(u, v)| (image.get(u, v)[0] - own).abs() < TOLERANCE)
         };
         !all_own(centers) || all_own(area)
     })
@@ -79,7 +82,7 @@ mod tests {
         let mut found = references(&tracer, &["direct-visibility"], &base, ReferenceStop::Spp(4), &Unwatched, &|f| f).unwrap().unwrap();
         let judge = found.judges.get_mut("direct-visibility").unwrap();
         assert!(judge.parts.iter().all(|part| part.settled.is_none()));
-        settle(judge, &tracer, &base).unwrap();
+        assert!(settle(judge, &tracer, &base, &Unwatched).unwrap());
         for part in &judge.parts {
             let image = part.settled.as_ref().unwrap();
             let share = image.pixels().iter().filter(|on| **on).count() as f32 / image.pixels().len() as f32;

@@ -40,7 +40,7 @@ fn scenes(role: Role) -> &'static [&'static str] {
         Role::DirectVisibility => &["shadows", "penumbra"],
         Role::AmbientVisibility => &["shadows", "two-rooms"],
         Role::DiffuseIndirect => &["cornell", "two-rooms"],
-        Role::SpecularIndirect => &["glossy-floor", "mirror-room"],
+        Role::SpecularIndirect => &["glossy-floor", "mirror-room", "spheres"],
         _ => &["shadows"],
     }
 }

@@ -14,7 +14,7 @@ pub(crate) struct Made {
     pub beside: Option<RoleSelection>,
     /// Slots that its passes made in its last frame.
     written: Vec<Slot>,
-    /// Rays traced before the frame.
+    /// Rays traced until its last frame ended.
     rays_before: u64,
 }
 
@@ -61,11 +61,6 @@ impl Made {
         }
         Ok(())
     }
-
-    fn count_rays(&mut self, device: &Device) -> Result<(), Error> {
-        self.rays_before = self.effect.rays(device)?;
-        Ok(())
-    }
 }
 
 impl Effects {
@@ -90,15 +85,14 @@ impl Effects {
         [self.shadow, self.ambient, self.diffuse, self.specular, self.anti_alias, self.tone]
     }
 
-    /// Before the frame: rays are counted from here.
-    pub fn begin(&mut self, device: &Device) -> Result<(), Error> {
-        let all = [&mut self.shadow, &mut self.ambient, &mut self.diffuse, &mut self.specular, &mut self.anti_alias, &mut self.tone];
-        all.into_iter().try_for_each(|made| made.count_rays(device))
-    }
-
     /// Rays of the frame, by technique.
-    pub fn rays(&self, device: &Device) -> Result<Vec<(&'static str, u64)>, Error> {
-        self.all().iter().map(|made| Ok((made.choice.technique.id, made.effect.rays(device)? - made.rays_before))).collect()
+    pub fn rays(&mut self, device: &Device) -> Result<Vec<(&'static str, u64)>, Error> {
+        let all = [&mut self.shadow, &mut self.ambient, &mut self.diffuse, &mut self.specular, &mut self.anti_alias, &mut self.tone];
+        let of = |made: &mut Made| {
+            let rays = made.effect.rays(device)?;
+            Ok((made.choice.technique.id, rays - std::mem::replace(&mut made.rays_before, rays)))
+        };
+        all.into_iter().map(of).collect()
     }
 
     /// By technique, the bytes of what it keeps and of the slots that its passes make.

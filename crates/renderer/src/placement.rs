@@ -19,7 +19,7 @@ const SLACK: f64 = 1e-4;
 
 impl Boxes {
     pub fn new(snapshot: &Snapshot) -> Self {
-        let meshes: Vec<[Vec3; 2]> = snapshot.meshes.iter().map(|mesh| box_of(&mesh.positions)).collect();
+        let meshes: Vec<[Vec3; 2]> = snapshot.meshes.iter().map(|mesh| mesh.bounds()).collect();
         let mut world = [Vec3::INFINITY, Vec3::NEG_INFINITY];
         for instance in &snapshot.instances {
             for corner in corners(&meshes[instance.mesh]).into_iter().filter(|corner| corner.is_finite()) {
@@ -64,10 +64,6 @@ impl Boxes {
         order.sort_by(|a, b| b.1.total_cmp(&a.1));
         order.into_iter().map(|(index, _)| index).collect()
     }
-}
-
-fn box_of(points: &[Vec3]) -> [Vec3; 2] {
-    points.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)])
 }
 
 fn corners(of: &[Vec3; 2]) -> [Vec3; 8] {

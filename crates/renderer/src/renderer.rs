@@ -317,7 +317,6 @@ impl Renderer {
         let mut pool = std::mem::take(&mut self.pool);
         let mut visibility: Vec<Image<f32>> = Vec::new();
         let (mut insight, mut timings) = (Insight::default(), Timings::default());
-        made.begin(&device)?;
         let Effects { shadow, ambient, diffuse, specular, anti_alias, tone } = made;
 
         let seen = if settings.culling { self.boxes.seen(&self.current, view) } else { vec![true; self.geometry.draws.len()] };

@@ -5,7 +5,7 @@
 //! wider than the camera's (what stands beside the picture is still reflected in it), by size, and by the solid angle that an instance fills as seen from the
 //! camera, which is size and distance together. Instances that emit light are always kept: they are lights.
 
-use crate::{Instance, Mesh, PlacedCamera, Projection, Scene, Snapshot};
+use crate::{Instance, PlacedCamera, Projection, Scene, Snapshot};
 use glam::Vec3;
 use kajo_units::Meters;
 use std::f32::consts::TAU;
@@ -92,7 +92,7 @@ impl Culling {
         if self == Self::Off {
             return vec![true; snapshot.instances.len()];
         }
-        let boxes: Vec<[Vec3; 2]> = snapshot.meshes.iter().map(|mesh| bounds(mesh)).collect();
+        let boxes: Vec<[Vec3; 2]> = snapshot.meshes.iter().map(|mesh| mesh.bounds()).collect();
         let eye = camera.world_from_view.w_axis.truncate();
         let frustum = Frustum::new(camera, aspect);
         let keeps = |instance: &Instance| {
@@ -109,11 +109,6 @@ impl Culling {
         };
         snapshot.instances.iter().map(keeps).collect()
     }
-}
-
-/// The box of a mesh; low above high without vertices.
-fn bounds(mesh: &Mesh) -> [Vec3; 2] {
-    mesh.positions.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)])
 }
 
 impl fmt::Display for Culling {
@@ -161,6 +156,7 @@ impl FromStr for Culling {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Mesh;
     use crate::{Camera, Material, Node, Transform, shapes};
     use kajo_units::{LinearRgb, Radians, Seconds};
     use std::sync::Arc;

@@ -45,8 +45,13 @@ impl Environment {
 
     /// The unit vector in the world of image coordinates; the inverse of [`Environment::uv`].
     pub fn direction(&self, uv: Vec2) -> Vec3 {
+        rotate_about_y(Self::image_direction(uv), self.rotation.0)
+    }
+
+    /// The same of an environment that is not turned.
+    pub fn image_direction(uv: Vec2) -> Vec3 {
         let ((sin_phi, cos_phi), (sin_theta, cos_theta)) = (((uv.x - 0.5) * TAU).sin_cos(), (uv.y * PI).sin_cos());
-        rotate_about_y(Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi), self.rotation.0)
+        Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi)
     }
 
     /// Converts a density over (u, v) into one over solid angle: p_ω = p_uv / (2π² sin θ), θ = π v.

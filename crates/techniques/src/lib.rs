@@ -16,6 +16,7 @@ pub mod reflection;
 mod role;
 pub mod shaders;
 pub mod shadow;
+mod still_life;
 mod technique;
 #[cfg(test)]
 mod tests;

@@ -157,7 +157,7 @@ fn measure(arguments: &BenchRender, case: &Case, reference: Option<&Image<Linear
     let control = |_: &Progress| if progress::interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let (lights, threads, build_seconds, cost) = in_pool(case.threads, || -> Outcome<_> {
         let start = Instant::now();
-        let tracer = path_tracing::tracer(&scene, snapshot, &arguments.tracing)?;
+        let tracer = path_tracing::tracer(&scene, snapshot, &arguments.tracing)?.with_culling(arguments.view.ray_culling, &settings)?;
         let build_seconds = start.elapsed().as_secs_f64();
         let cost = render_cost(&tracer, &settings, arguments.spp, arguments.repeat, reference, &control)?;
         Ok((tracer.visibility_light_names().count(), rayon::current_num_threads(), build_seconds, cost))

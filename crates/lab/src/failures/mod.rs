@@ -10,10 +10,10 @@
 //! | acne | lit | shadow | does not hug the border: the surface shadows itself |
 //! | detachment | cast | lit | begins at a contact, or hugs the border with no fault of the other sign near: the shadow has come off its caster |
 //! | leak | cast | light | neither: nothing but a hole in the shadow explains it; also where a whole shadow is missing |
-//! | aliasing | lit or cast | the opposite | hugs the border, and the sign alternates along it |
+//! | aliasing | lit or cast | the opposite | hugs the border; light in the shadow with faults of the other sign near, shadow on what is lit always |
 //! | missed penumbra | penumbra, with all neighbours | one class, over 5 × 5 px | the two differ by more than a tenth |
 //!
-//! Faults one pixel deep are none: any rasterisation has them. Nor is what happens outside the cone of a spot and behind a flat lamp.
+//! Faults one pixel deep at the border are none: any rasterisation has them. Nor is what happens outside the cone of a spot and behind a flat lamp.
 
 mod regions;
 mod shadows;
@@ -102,6 +102,7 @@ impl Failures {
     /// # Errors
     /// Sizes that differ.
     pub fn new(judge: &Judge, parts: &[Image<LinearRgb>], gbuffer: &GBufferImages, lights: &[LightPlace]) -> Result<Self, MetricsError> {
+        assert_eq!(lights.len(), judge.parts.len(), "a place for each judged light");
         let scalar = |image: &Image<LinearRgb>| image.map(|p| p[0]);
         let surfaces = Surfaces::new(gbuffer, judge.mask.as_ref())?;
         let mut image: Image<Option<Class>> = Image::from_fn(judge.size(), |_, _| None);

@@ -56,7 +56,7 @@ pub fn places(scene: &Scene, snapshot: &Snapshot, lights: &[usize]) -> Vec<Light
     });
     let emissive = snapshot.emissive_meshes(scene).into_iter().map(|mesh| LightPlace::At(mesh.center));
     let all: Vec<LightPlace> = analytic.chain(emissive).collect();
-    lights.iter().filter_map(|&light| all.get(light).copied()).collect()
+    lights.iter().map(|&light| all[light]).collect()
 }
 
 /// The surfaces of a view.

@@ -85,7 +85,7 @@ fn definitions() -> Markup {
                 div { dt { "tie, standard errors" } dd { "The difference of two mean squared errors, against the standard error that the reference's noise and the seeds give it. Below " (SIGMAS) " it is a tie." } }
                 div { dt { "PSNR, SSIM" } dd { "Of visibility as it is; of light after exposure, clamped and sRGB-encoded. SSIM: Gaussian window 11×11, σ 1.5, luminance (Wang 2004)." } }
                 div { dt { "FLIP" } dd { "Andersson 2020; HDR-FLIP 2021: the largest over all exposures. 67 pixels per degree." } }
-                div { dt { "off border" } dd { "Share of pixels on the wrong side of one half, farther than 1 px from a shadow border or penumbra of the reference, also from such as run between the centres of its pixels (16 samples each)." } }
+                div { dt { "off border" } dd { "Share of pixels on the wrong side of one half, farther than 1 px from a shadow border or penumbra of the reference, also from such as run between the centres of its pixels (" (crate::settled::SPP) " samples each)." } }
                 div { dt { "border px" } dd { "Mean distance of the half-light contours, the larger of both directions." } }
                 div { dt { "flicker, ghost, lag" } dd {
                     "On sequences in which the camera, a light or a thing moves, or the animation of the scene plays. Flicker: change of pixels from frame to frame, along the motion of "

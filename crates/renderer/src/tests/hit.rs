@@ -37,10 +37,11 @@ const ROOT: &str = "
 
 const LIT: &str = "
             let point = shaded(at);
+            var rays = 0u;
             for (var i = 0u; i < lights_at_once.y; i++) {
-                out.direct += direct_at(point, at.relative, 16u, lights_at_once.x, hash_pixel(id.xy, i, 7u)) / f32(lights_at_once.y);
+                out.direct += direct_at(point, at.relative, 16u, lights_at_once.x, hash_pixel(id.xy, i, 7u), &rays) / f32(lights_at_once.y);
             }
-            out.around = environment_at(point, at.relative, 64u, hash_pixel(id.xy, 0u, 8u));";
+            out.around = environment_at(point, at.relative, 64u, hash_pixel(id.xy, 0u, 8u), &rays);";
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]

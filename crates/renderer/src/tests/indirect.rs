@@ -266,7 +266,7 @@ fn probes_are_baked_once() {
     assert!(third.rays > 64 * 32 && (ratio - 0.5).abs() < 1e-3, "{ratio}");
 }
 
-/// Row R-11: the environment that probes see is all that lights a floor and what stands on it; what bounces is the path tracer's.
+/// The environment that probes see is all that lights a floor and what stands on it; what bounces is the path tracer's.
 #[test]
 fn probes_bounce_the_light_of_the_environment() {
     let device = Device::new().unwrap();

@@ -5,7 +5,7 @@ use glam::{UVec2, Vec2, Vec3};
 use kajo_image::Image;
 use kajo_render_graph::{Bindings, Device, Texture, wgpu};
 use kajo_scene::{ColorSpace, Environment};
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::PI;
 
 /// Size of the averaged image: the cosine leaves nothing finer than a few degrees.
 const COSINE_SIZE: UVec2 = UVec2::new(64, 32);
@@ -59,7 +59,7 @@ fn shrunk(from: UVec2, texel: impl Fn(u32, u32) -> Vec3, most: UVec2) -> Image<V
     Image::from_fn(size, |x, y| {
         let (mut sum, mut weight) = (Vec3::ZERO, 0.0);
         for row in bound(y, 1)..bound(y + 1, 1) {
-            let solid_angle = ((row as f32 + 0.5) / from.y as f32 * PI).sin();
+            let solid_angle = row_measure(row, from.y);
             for column in bound(x, 0)..bound(x + 1, 0) {
                 sum += texel(column, row) * solid_angle;
                 weight += solid_angle;
@@ -69,20 +69,18 @@ fn shrunk(from: UVec2, texel: impl Fn(u32, u32) -> Vec3, most: UVec2) -> Image<V
     })
 }
 
+/// Solid angle of the texels of a row, up to a factor that all of them share.
+fn row_measure(row: u32, rows: u32) -> f32 {
+    let theta = |row: u32| row as f32 / rows as f32 * PI;
+    theta(row).cos() - theta(row + 1).cos()
+}
+
 /// (1/π) ∫ L cos θ dω about the direction of each texel. The cosines are scaled so that a white image stays white.
 fn cosine_mean(image: &Image<Vec3>, size: UVec2) -> Image<Vec3> {
-    let direction = |x: u32, y: u32, size: UVec2| {
-        let uv = (Vec2::new(x as f32, y as f32) + 0.5) / size.as_vec2();
-        let ((sin_phi, cos_phi), (sin_theta, cos_theta)) = (((uv.x - 0.5) * TAU).sin_cos(), (uv.y * PI).sin_cos());
-        Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi)
-    };
+    let direction = |x: u32, y: u32, size: UVec2| Environment::image_direction((Vec2::new(x as f32, y as f32) + 0.5) / size.as_vec2());
     let from = image.size();
-    let row_measure = |y: u32| {
-        let theta = |row: u32| row as f32 / from.y as f32 * PI;
-        theta(y).cos() - theta(y + 1).cos()
-    };
     let places = (0..from.y).flat_map(|y| (0..from.x).map(move |x| (x, y)));
-    let sources: Vec<(Vec3, f32, Vec3)> = places.map(|(x, y)| (direction(x, y, from), row_measure(y), *image.get(x, y))).collect();
+    let sources: Vec<(Vec3, f32, Vec3)> = places.map(|(x, y)| (direction(x, y, from), row_measure(y, from.y), *image.get(x, y))).collect();
     Image::from_fn(size, |x, y| {
         let normal = direction(x, y, size);
         let (mut sum, mut weight) = (Vec3::ZERO, 0.0);
@@ -123,6 +121,7 @@ fn upload(device: &Device, label: &str, size: UVec2, texel: impl Fn(u32, u32) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f32::consts::TAU;
 
     /// A sky that is brighter above, L = 1 + y: (1/π) ∫ L cos θ dω = 1 + 2/3 n.y.
     #[test]

@@ -35,6 +35,11 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// The box of its vertices, object space, m: low and high corner; low above high without vertices.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        self.positions.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)])
+    }
+
     /// Makes [`Mesh::normals`] those of the faces. Each vertex belongs to one triangle (the last that names it wins); a triangle without area
     /// gets +z.
     pub fn make_faceted_normals(&mut self) {

@@ -60,6 +60,17 @@ pub struct PlacedCamera {
 }
 
 impl Snapshot {
+    /// True when the same light falls on every surface of two snapshots of one scene: neither bodies nor lights move between them.
+    pub fn same_bodies_and_lights(&self, other: &Self) -> bool {
+        let same_mesh = |(a, b): (&Arc<Mesh>, &Arc<Mesh>)| Arc::ptr_eq(a, b);
+        let same_place = |(a, b): (&Instance, &Instance)| a.mesh == b.mesh && a.world_from_object == b.world_from_object;
+        let same_light = |(a, b): (&PlacedLight, &PlacedLight)| a.light == b.light && a.world_from_light == b.world_from_light;
+        (self.meshes.len(), self.instances.len(), self.lights.len()) == (other.meshes.len(), other.instances.len(), other.lights.len())
+            && self.meshes.iter().zip(&other.meshes).all(same_mesh)
+            && self.instances.iter().zip(&other.instances).all(same_place)
+            && self.lights.iter().zip(&other.lights).all(same_light)
+    }
+
     /// Evaluates `scene` at `time`.
     ///
     /// The animation [`Scene::animation`] plays, all its channels together; before its first key and after its last the values are held.

@@ -8,7 +8,6 @@ pub mod none;
 pub mod probes;
 pub mod ray_traced;
 mod sky;
-mod still_life;
 pub mod vpl;
 
 use crate::Technique;

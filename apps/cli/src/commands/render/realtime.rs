@@ -56,7 +56,7 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
 
     let mut metadata = provenance();
     metadata.insert("adapter".into(), device.info().name.clone());
-    let classes = classes(&frame, renderer.light_names())?;
+    let classes = classes(&frame, renderer.light_names(), &arguments.aov)?;
     let light = arguments.aov.first().and_then(|word| shadow_class::light_of(word)).filter(|_| shadow_class::is_picture(arguments));
     let mut layers = layers(&frame, renderer.light_names());
     layers.extend(classes.iter().map(Classes::layer));
@@ -153,11 +153,13 @@ fn layers(frame: &FrameOutput, lights: &[String]) -> Vec<Layer> {
     layers
 }
 
-/// Umbra, penumbra and lit of each light, where the G-buffer was read back.
-fn classes(frame: &FrameOutput, lights: &[String]) -> Outcome<Vec<Classes>> {
+/// Umbra, penumbra and lit of each light that `words` ask them of.
+fn classes(frame: &FrameOutput, lights: &[String], words: &[String]) -> Outcome<Vec<Classes>> {
     let Some(gbuffer) = &frame.gbuffer else { return Ok(Vec::new()) };
     let seen = gbuffer.depth.map(|depth| depth.is_finite());
-    lights.iter().zip(&frame.visibility).map(|(light, visibility)| Classes::new(light, visibility, &seen)).collect()
+    let asked = |light: &str| words.iter().filter_map(|word| shadow_class::light_of(word)).any(|word| word == "*" || word == light);
+    let of_lights = lights.iter().zip(&frame.visibility).filter(|(light, _)| asked(light));
+    of_lights.map(|(light, visibility)| Classes::new(light, visibility, &seen)).collect()
 }
 
 /// The layers that `--aov` names; `all` is every one, `visibility.*` those of every light.

@@ -5,7 +5,7 @@ mod tests;
 
 use super::READS;
 use super::light_power::{around, light_powers};
-use super::still_life::StillLife;
+use crate::still_life::StillLife;
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
 use glam::Vec3;
 use kajo_params::{ParamChoice, ParamValues, Params};

@@ -6,8 +6,8 @@ mod grid;
 mod tests;
 
 use super::READS;
-use super::still_life::StillLife;
 use crate::ray_count::RayCount;
+use crate::still_life::StillLife;
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Statistic, Technique};
 use bake::{Bake, Inputs};
 use glam::{UVec3, Vec3};
@@ -160,7 +160,7 @@ impl Effect for Probes {
         let probes: Vec<GpuProbe> = readback::read_buffer(frame.device, &self.bake.probes()?.wgpu)?;
         let count = grid_over(frame.bounds, self.params.probes).0.element_product() as usize;
         let closed = probes[..count].iter().filter(|probe| probe.open == 0).count();
-        let told = |name, value: usize| Statistic { name, light: 0, value: value as u64 };
+        let told = |name, value: usize| Statistic { name, light: Statistic::NO_LIGHT, value: value as u64 };
         Ok(vec![told("probes", count), told("closed-probes", closed)])
     }
 }

@@ -4,9 +4,9 @@ mod sources;
 #[cfg(test)]
 mod tests;
 
-use super::still_life::StillLife;
 use super::{READS, light_power::around};
 use crate::ray_count::RayCount;
+use crate::still_life::StillLife;
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Statistic, Technique};
 use glam::{UVec2, UVec3, Vec3};
 use kajo_params::{ParamChoice, ParamValues, Params};
@@ -218,7 +218,7 @@ impl Effect for VirtualLights {
         let sums: Vec<[f32; 2]> = readback::read_buffer(frame.device, &clamped.wgpu)?;
         let total = |k: usize| sums[..(groups.x * groups.y) as usize].iter().map(|sum| f64::from(sum[k])).sum::<f64>();
         let share = total(1) / total(0).max(f64::MIN_POSITIVE);
-        let told = |name, value| Statistic { name, light: 0, value };
+        let told = |name, value| Statistic { name, light: Statistic::NO_LIGHT, value };
         Ok(vec![told("virtual-lights", count[0].into()), told("clamped-ppm", (share * 1e6).round() as u64)])
     }
 }

@@ -5,6 +5,8 @@ mod planes;
 mod tests;
 
 use super::surfaces::{self, READS};
+use crate::ray_count::RayCount;
+use crate::still_life::StillLife;
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
 use kajo_params::{ParamValues, Params};
 use kajo_render_graph::wgpu::{self, BufferUsages, TextureFormat};
@@ -72,6 +74,8 @@ struct Planar {
     uniforms: Vec<Buffer>,
     image: Option<MirrorImage>,
     mirrors: Option<Mirrors>,
+    still: StillLife,
+    rays: RayCount,
     file: String,
 }
 
@@ -103,6 +107,8 @@ impl Planar {
             uniforms: (0..params.mirrors).map(uniform).collect::<Result<_, _>>()?,
             image: None,
             mirrors: None,
+            still: StillLife::default(),
+            rays: RayCount::new(context, "reflection/planar rays")?,
             file: String::new(),
         })
     }
@@ -140,7 +146,8 @@ impl Planar {
             .with("mirror", uniform)
             .with("image", image.color.view.clone())
             .with("image_depth", image.depth.view.clone())
-            .with("reflected", pass.view(slot::SPECULAR_INDIRECT)?);
+            .with("reflected", pass.view(slot::SPECULAR_INDIRECT)?)
+            .with(RayCount::BINDING, self.rays.buffer());
         self.resolve.dispatch(pass.device, pass.encoder, &frame.shared, &own, frame.size().extend(1))
     }
 }
@@ -165,13 +172,14 @@ impl MirrorImage {
 
 impl Effect for Planar {
     fn prepare(&mut self, frame: &FrameContext) -> Result<(), Error> {
+        self.rays.prepare(frame);
         let size = wgpu::Extent3d { width: frame.size().x, height: frame.size().y, depth_or_array_layers: 1 };
         if self.image.as_ref().is_none_or(|image| image.color.wgpu.size() != size) {
             self.image = Some(MirrorImage::new(frame.device, size));
         }
         let Params { mirrors, max_roughness, light_samples, lights } = self.params;
         let [low, high] = frame.bounds;
-        if self.mirrors.is_none() || !frame.still {
+        if self.still.changed(frame) {
             let diagonal = (high - low).length();
             self.mirrors = Some(planes::find(frame.scene, frame.snapshot, diagonal, max_roughness, mirrors as usize));
             self.file = frame.scene.name.clone();
@@ -204,8 +212,13 @@ impl Effect for Planar {
         }
     }
 
+    /// Of the surfaces that it reflects those without roughness alone: others, and those in other planes, keep their highlights.
     fn mirrors_up_to(&self) -> Option<f32> {
-        Some(self.params.max_roughness)
+        Some(0.0)
+    }
+
+    fn rays(&self, device: &Device) -> Result<u64, Error> {
+        self.rays.rays(device)
     }
 
     fn notes(&self) -> Vec<Ignored> {

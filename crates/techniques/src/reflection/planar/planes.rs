@@ -24,8 +24,11 @@ pub(super) struct Mirrors {
     pub left_out: f32,
 }
 
-/// Planes whose normals and heights differ by less are one: a share of 1, and of the size of the scene.
+/// Planes whose normals differ by less are one.
 const TOLERANCE: f32 = 1e-3;
+
+/// Planes whose heights differ by less are one, in units of the size of the scene: no farther apart than what the shader takes for a plane.
+const HEIGHT_TOLERANCE: f32 = 1e-5;
 
 /// Area below which a plane counts as a facet of something curved, in units of the square of the scene's size.
 const FACET: f32 = 1e-3;
@@ -33,10 +36,10 @@ const FACET: f32 = 1e-3;
 /// The `most` largest planes of surfaces up to `max_roughness`; `size` is the diagonal of the box around the scene, m.
 pub(super) fn find(scene: &Scene, snapshot: &Snapshot, size: f32, max_roughness: f32, most: usize) -> Mirrors {
     let mut cells: HashMap<IVec4, Plane> = HashMap::new();
-    let unit = TOLERANCE * size.max(1e-6);
+    let unit = HEIGHT_TOLERANCE * size.max(1e-6);
     for instance in &snapshot.instances {
         let mesh = &snapshot.meshes[instance.mesh];
-        if !is_mirror(&scene.materials[mesh.material], max_roughness) {
+        if !scene.materials.get(mesh.material).is_some_and(|material| is_mirror(material, max_roughness)) {
             continue;
         }
         let at = |i: u32| instance.world_from_object.transform_point3(mesh.positions[i as usize]);

@@ -2,11 +2,10 @@
 
 use crate::FrameContext;
 use kajo_scene::Snapshot;
-use std::sync::Arc;
 
 /// The scene that something was computed for.
 #[derive(Default)]
-pub(super) struct StillLife(Option<(Snapshot, bool)>);
+pub(crate) struct StillLife(Option<(Snapshot, bool)>);
 
 impl StillLife {
     /// True when bodies or lights differ from those of the last call, and at the first one.
@@ -15,22 +14,12 @@ impl StillLife {
     }
 
     fn differs(&mut self, now: &Snapshot, environment: bool) -> bool {
-        let same = self.0.as_ref().is_some_and(|(before, lit)| same_light(before, now) && *lit == environment);
+        let same = self.0.as_ref().is_some_and(|(before, lit)| before.same_bodies_and_lights(now) && *lit == environment);
         if !same {
             self.0 = Some((now.clone(), environment));
         }
         !same
     }
-}
-
-/// True when the same light falls on every surface of two snapshots of one scene.
-fn same_light(a: &Snapshot, b: &Snapshot) -> bool {
-    let meshes = a.meshes.len() == b.meshes.len() && a.meshes.iter().zip(&b.meshes).all(|(a, b)| Arc::ptr_eq(a, b));
-    let instances = a.instances.len() == b.instances.len()
-        && a.instances.iter().zip(&b.instances).all(|(a, b)| a.mesh == b.mesh && a.world_from_object == b.world_from_object);
-    let lights = a.lights.len() == b.lights.len()
-        && a.lights.iter().zip(&b.lights).all(|(a, b)| a.light == b.light && a.world_from_light == b.world_from_light);
-    meshes && instances && lights
 }
 
 #[cfg(test)]

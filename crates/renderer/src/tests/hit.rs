@@ -5,7 +5,7 @@ use crate::{FrameOutput, FrameSettings, RoleSelection};
 use glam::{UVec2, Vec3};
 use kajo_render_graph::wgpu::BufferUsages;
 use kajo_render_graph::{Bindings, ComputePipeline, Device, PipelineOptions, Shader, readback};
-use kajo_scene::{Scene, builtin};
+use kajo_scene::{LightShape, Scene, builtin};
 use kajo_techniques::{TraceBackend, shaders};
 
 /// What rays meet. `LIT` stands where it is lit.
@@ -145,19 +145,28 @@ fn the_environment_lights_what_rays_meet() {
     assert!(of_frame > 0.0 && (of_rays / of_frame - 1.0).abs() < 0.05, "{of_rays} instead of {of_frame}");
 }
 
-/// What they reflect from the lights is what the deferred passes find with ray-traced shadows: pixel by pixel where lights are points, in
-/// the mean where they are areas; with fewer lights at a time than there are, in the mean, too.
+/// What they reflect from the lights is what the deferred passes find with ray-traced shadows, pixel by pixel: within half a per cent of the mean under
+/// lights that are points or nearly so, within noise under a large one, of which the frame takes light and visibility by samples of their own;
+/// with fewer lights at a time than there are, in the mean.
 #[test]
 fn rays_light_what_they_meet_as_the_frame_is_lit() {
     let device = Device::new().unwrap();
     let size = UVec2::new(96, 72);
-    for scene in ["shadows", "cornell", "many-lights:12"].map(|name| builtin::load(name).unwrap()) {
+    let mut pointed = builtin::load("cornell").unwrap();
+    pointed.name += " lit by a point";
+    pointed.lights[0].shape = LightShape::Point;
+    let [shadows, cornell, lamps] = ["shadows", "cornell", "many-lights:12"].map(|name| builtin::load(name).unwrap());
+    for (scene, bound) in [(shadows, 0.005), (pointed, 0.005), (lamps, 0.005), (cornell, 0.06)] {
         let (out, answers) = both_ways(&device, &scene, size, TraceBackend::best(&device), [64, 1]);
         let of_frame = mean(out.direct.pixels().iter().map(|pixel| pixel.0));
         let of_rays = mean(answers.iter().map(|answer| answer.direct));
-        assert!(of_frame > 0.0 && (of_rays / of_frame - 1.0).abs() < 0.03, "{}: {of_rays} instead of {of_frame}", scene.name);
-        let difference = mean(out.direct.pixels().iter().zip(&answers).map(|(a, b)| (a.0 - b.direct).abs()));
-        assert!(difference < 0.15 * of_frame, "{}: pixels differ by {}", scene.name, difference / of_frame);
+        assert!(of_frame > 0.0 && (of_rays / of_frame - 1.0).abs() < 0.5 * bound, "{}: {of_rays} instead of {of_frame}", scene.name);
+        let difference = |shift: usize| {
+            let pairs = out.direct.pixels().iter().zip(answers.iter().cycle().skip(shift));
+            mean(pairs.map(|(a, b)| (a.0 - b.direct).abs())) / of_frame
+        };
+        assert!(difference(0) < bound, "{}: pixels differ by {}", scene.name, difference(0));
+        assert!(difference(1) > 2.0 * bound, "{}: one pixel off must not pass: {}", scene.name, difference(1));
         if scene.lights.len() > 4 {
             let (_, few) = both_ways(&device, &scene, size, TraceBackend::best(&device), [4, 16]);
             let of_few = mean(few.iter().map(|answer| answer.direct));

@@ -4,9 +4,9 @@ use super::scenes::*;
 use crate::{FrameOutput, FrameSettings, Read, RoleSelection};
 use glam::{Affine3A, UVec2, Vec3, Vec3Swizzles};
 use kajo_image::Image;
-use kajo_path_tracer::{Aov, Filter, Settings, Stop, Tracer, render, uncontrolled};
+use kajo_path_tracer::Aov;
 use kajo_render_graph::Device;
-use kajo_scene::{Environment, LightShape, Scene, Snapshot, builtin, shapes};
+use kajo_scene::{Environment, LightShape, Projection, Scene, Snapshot, builtin, shapes};
 use kajo_techniques::{Role, TraceBackend};
 use kajo_units::{LinearRgb, Meters};
 use std::f32::consts::PI;
@@ -30,19 +30,9 @@ fn irradiance(output: &FrameOutput) -> &Image<LinearRgb> {
     &output.estimates.iter().find(|(role, _)| *role == Role::DiffuseIndirect).expect("asked for").1
 }
 
-/// The path tracer's image at pixel centres; 2 for `depth` is light that bounced once.
+/// The path tracer's image; 2 for `depth` is light that bounced once.
 fn truth(scene: &Scene, size: UVec2, depth: u32, spp: u32) -> Image<LinearRgb> {
-    let tracer = Tracer::new(scene, Snapshot::new(scene, START)).unwrap();
-    let settings = Settings {
-        size,
-        filter: Filter::Center,
-        max_depth: depth,
-        aovs: vec![Aov::DiffuseIndirect],
-        smooth_terminator: false,
-        ..Settings::default()
-    };
-    let frame = render(&tracer, &settings, Stop::at_spp(spp), None, &uncontrolled).unwrap().develop();
-    frame.image("diffuse-indirect").unwrap().pixels.to_color()
+    bounced(scene, size, depth, spp, Aov::DiffuseIndirect)
 }
 
 /// Mean of all channels over the pixels for which `wanted` holds.
@@ -184,6 +174,43 @@ fn virtual_lights_stay_or_are_renewed() {
     assert!(error(&other, &one) > 0.02, "{}", error(&other, &one));
     let [compute, _] = frames("scene", Some(TraceBackend::Compute));
     assert!(error(&compute, &first) < 0.01, "{}", error(&compute, &first));
+}
+
+/// The largest difference of the pixels that show a surface from `expected`, as a share of it.
+fn farthest(output: &FrameOutput, expected: f32) -> f32 {
+    let seen = &output.gbuffer.as_ref().unwrap().instance;
+    let pixels = irradiance(output).pixels().iter().zip(seen.pixels()).filter(|(_, instance)| instance.is_some());
+    pixels.map(|(e, _)| (e.0 / expected - 1.0).abs().max_element()).fold(0.0, f32::max)
+}
+
+/// Row R-11: a sphere lit from its centre has the same radiance L everywhere, after one bounce and after any number: probes in it give the
+/// irradiance π L within 1 % to normals all around, also those that a wall of no thickness parts from probes behind it. After n bounces that is E₀ (ρ + … + ρⁿ), of the lamp's E₀.
+#[test]
+fn probes_under_constant_radiance_give_its_irradiance_for_every_normal() {
+    let device = Device::new().unwrap();
+    let sphere = |lamp: Vec3| {
+        let mut scene = Scene::default();
+        place(&mut scene, shapes::sphere(1.0, 96).inside_out(), lambert(0.5), Affine3A::IDENTITY);
+        light(&mut scene, LightShape::Point, 1.0, lamp, Vec3::NEG_Y);
+        camera(&mut scene, PERSPECTIVE, Vec3::new(0.0, 0.0, 0.9), Vec3::ZERO);
+        scene.cameras[0].projection = Projection::Perspective { yfov: kajo_units::Radians(2.0), aspect: None };
+        scene
+    };
+    let of = |lamp, bounces| {
+        let params = [("probes", "5"), ("rays", "1024"), ("bounces", bounces), ("leak_guard", "rays")];
+        indirect(&device, &sphere(lamp), SIZE, "gi/probes", &params)
+    };
+    for (bounces, expected) in [("1", 0.5), ("8", 1.0 - 0.5f32.powi(8))] {
+        let out = of(Vec3::ZERO, bounces);
+        let normals = out.gbuffer.as_ref().unwrap().shading_normal.pixels();
+        for axis in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z] {
+            assert!(normals.iter().any(|n| n.dot(axis) > 0.9), "{axis} is seen");
+        }
+        let off = farthest(&out, expected);
+        assert!(off < 0.01, "{bounces} bounces: {off}");
+    }
+    let off = farthest(&of(Vec3::new(0.1, 0.0, 0.0), "1"), 0.5);
+    assert!(off > 0.02, "planted fault, a lamp 10 cm from the centre: {off}");
 }
 
 /// Light that bounces many times in a closed white box: E = Φ ρ / (A (1 − ρ)) on average over its walls; probes, virtual lights and the constant agree.

@@ -4,9 +4,9 @@ use super::scenes::*;
 use crate::{FrameOutput, FrameSettings, Read, RoleSelection};
 use glam::{Affine3A, Quat, UVec2, Vec3};
 use kajo_image::Image;
-use kajo_path_tracer::{Aov, Filter, Settings, Stop, Tracer, render, uncontrolled};
+use kajo_path_tracer::Aov;
 use kajo_render_graph::Device;
-use kajo_scene::{Environment, LightShape, Material, Projection, Scene, Snapshot, Texels, TextureImage, builtin, shapes};
+use kajo_scene::{Environment, LightShape, Material, Projection, Scene, Texels, TextureImage, builtin, shapes};
 use kajo_techniques::Role;
 use kajo_units::{LinearRgb, Meters, Radians};
 use std::f32::consts::FRAC_PI_2;
@@ -20,15 +20,6 @@ fn reflected(device: &Device, scene: &Scene, size: UVec2, technique: &str, param
 
 fn shown(output: &FrameOutput) -> &Image<LinearRgb> {
     output.estimate(Role::SpecularIndirect).expect("asked for")
-}
-
-/// `specular-indirect` of the path tracer, by paths of at most `bounces` bounces.
-fn truth(scene: &Scene, size: UVec2, spp: u32, bounces: u32) -> Image<LinearRgb> {
-    let tracer = Tracer::new(scene, Snapshot::new(scene, START)).unwrap();
-    let aovs = vec![Aov::SpecularIndirect];
-    let settings = Settings { size, filter: Filter::Center, max_depth: bounces, aovs, smooth_terminator: false, ..Settings::default() };
-    let frame = render(&tracer, &settings, Stop::at_spp(spp), None, &uncontrolled).unwrap().develop();
-    Image::from_fn(size, |x, y| LinearRgb(frame.image("specular-indirect").unwrap().pixels.get(x, y)))
 }
 
 fn mean(image: &Image<LinearRgb>) -> f32 {
@@ -62,7 +53,7 @@ fn ray_traced_reflections_are_those_of_the_path_tracer() {
         let out = reflected(&device, &scene, size, "reflection/ray-traced", &params);
         assert!(out.technique_rays.iter().any(|(id, rays)| *id == "reflection/ray-traced" && *rays > 10_000), "{:?}", out.technique_rays);
         // The last vertex of ours sees the environment, too.
-        let truth = opaque(&scene, &out, &truth(&scene, size, 256, bounces + 1));
+        let truth = opaque(&scene, &out, &bounced(&scene, size, bounces + 1, 256, Aov::SpecularIndirect));
         let shown = opaque(&scene, &out, shown(&out));
         let (ratio, off) = (mean(&shown) / mean(&truth), difference(&shown, &truth));
         assert!((ratio - 1.0).abs() < bias, "{name} with {bounces} bounces: {ratio} times as bright");
@@ -148,7 +139,7 @@ fn the_environment_is_reflected_as_the_path_tracer_reflects_it() {
         let material = Material { base_color: color, metallic: 1.0, roughness, clearcoat: coat, ..Material::default() };
         place(&mut scene, shapes::sphere(1.0, 96), material, Affine3A::IDENTITY);
         camera(&mut scene, PERSPECTIVE, Vec3::new(1.0, 2.0, 3.5), Vec3::ZERO);
-        let truth = truth(&scene, size, 256, 1);
+        let truth = bounced(&scene, size, 1, 256, Aov::SpecularIndirect);
         let out = reflected(&device, &scene, size, "reflection/environment", &[("samples", "256")]);
         let (ratio, off) = (mean(shown(&out)) / mean(&truth), difference(shown(&out), &truth));
         assert!((ratio - 1.0).abs() < 0.01, "roughness {roughness}, coat {coat}: {ratio} times as bright");

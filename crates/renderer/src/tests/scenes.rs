@@ -2,6 +2,7 @@
 
 use crate::{FrameOutput, FrameSettings, Renderer, RendererSettings, RoleSelection};
 use glam::{Affine3A, Mat4, Quat, UVec2, Vec3};
+use kajo_image::Image;
 use kajo_path_tracer::{Aov, Filter, Frame, Settings, Stop, Tracer, render, uncontrolled};
 use kajo_render_graph::Device;
 use kajo_scene::{Camera, Light, LightShape, Material, Mesh, Node, Projection, Scene, Snapshot, Transform};
@@ -77,8 +78,18 @@ pub fn reference(scene: &Scene, now: Seconds, before: Option<Seconds>, size: UVe
     if let Some(before) = before {
         tracer = tracer.with_previous(Snapshot::new(scene, before)).unwrap();
     }
-    let settings = Settings { size, filter: Filter::Center, max_depth: 1, aovs, smooth_terminator: false, ..Settings::default() };
-    render(&tracer, &settings, Stop::at_spp(spp), None, &uncontrolled).unwrap().develop()
+    traced(&tracer, size, 1, spp, aovs)
+}
+
+/// One image of the path tracer at pixel centres, at the start, by light that met at most `depth` surfaces: 2 has bounced once.
+pub fn bounced(scene: &Scene, size: UVec2, depth: u32, spp: u32, aov: Aov) -> Image<LinearRgb> {
+    let tracer = Tracer::new(scene, Snapshot::new(scene, START)).unwrap();
+    traced(&tracer, size, depth, spp, vec![aov.clone()]).image(&aov.to_string()).unwrap().pixels.to_color()
+}
+
+fn traced(tracer: &Tracer, size: UVec2, max_depth: u32, spp: u32, aovs: Vec<Aov>) -> Frame {
+    let settings = Settings { size, filter: Filter::Center, max_depth, aovs, smooth_terminator: false, ..Settings::default() };
+    render(tracer, &settings, Stop::at_spp(spp), None, &uncontrolled).unwrap().develop()
 }
 
 /// Pixels more than one pixel away from any change of `image`: off the border.

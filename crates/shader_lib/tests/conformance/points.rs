@@ -2,7 +2,7 @@
 
 use crate::compare::{Tolerance, conform};
 use glam::{UVec2, Vec2, Vec3};
-use kajo_sampling::{Frame, Rng, hammersley_2d, sh_basis, sh_cosine_basis, warp};
+use kajo_sampling::{Frame, Rng, ShRadiance, hammersley_2d, sh_basis, sh_cosine_basis, warp};
 use kajo_shader_lib::{camera, packing, random};
 
 /// Points of the unit square: a grid with the borders, and random ones.
@@ -144,4 +144,21 @@ fn spherical_harmonics_match() {
         std::array::from_fn(|i| if i < 9 { a[i] } else { b[i - 9] })
     };
     conform("spherical harmonics", shader, &directions(), twin, Tolerance::USUAL);
+}
+
+/// Any nine coefficients: the seventh sine of their number, which no other order or band has alike.
+#[test]
+fn irradiance_by_spherical_harmonics_matches() {
+    let shader = "import shader_lib::spherical_harmonics::sh_irradiance;
+        fn eval(x: array<f32, 3>) -> array<f32, 3> {
+            var radiance: array<vec3f, 9>;
+            for (var i = 0u; i < 9u; i++) {
+                radiance[i] = sin(7.0 * f32(i) + vec3f(0.0, 1.0, 2.0));
+            }
+            let sum = sh_irradiance(radiance, vec3f(x[0], x[1], x[2]));
+            return array(sum.x, sum.y, sum.z);
+        }";
+    let radiance = ShRadiance(std::array::from_fn(|i| (7.0 * i as f32 + Vec3::new(0.0, 1.0, 2.0)).map(f32::sin)));
+    let twin = |x: [f32; 3]| radiance.irradiance(Vec3::from_array(x)).to_array();
+    conform("irradiance by spherical harmonics", shader, &directions(), twin, Tolerance { relative: 1e-4, absolute: 1e-4 });
 }

@@ -55,6 +55,7 @@ impl History {
 
 fn image(frame: &FrameContext, format: wgpu::TextureFormat) -> Texture {
     let size = frame.size();
+    use wgpu::TextureUsages as Usage;
     frame.device.texture(&wgpu::TextureDescriptor {
         label: Some("history"),
         size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
@@ -62,7 +63,7 @@ fn image(frame: &FrameContext, format: wgpu::TextureFormat) -> Texture {
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
-        usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING,
+        usage: Usage::STORAGE_BINDING | Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING | Usage::COPY_SRC,
         view_formats: &[],
     })
 }

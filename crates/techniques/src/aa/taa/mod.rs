@@ -4,8 +4,8 @@ use super::{History, halton_jitter};
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
 use glam::Vec2;
 use kajo_params::{ParamChoice, ParamValues, Params};
-use kajo_render_graph::wgpu::{BufferUsages, TextureFormat};
-use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Graph, PipelineOptions, slot};
+use kajo_render_graph::wgpu::{self, BufferUsages, TextureFormat};
+use kajo_render_graph::{Access, Bindings, Buffer, Graph, PipelineOptions, RenderPipeline, RenderState, Texture, slot};
 
 /// The technique.
 pub const TECHNIQUE: Technique = Technique {
@@ -76,11 +76,13 @@ struct GpuParams {
     _padding: [u32; 2],
 }
 
+/// Images of the history: colour with the number of frames in it, even depth.
+const FORMATS: [TextureFormat; 2] = [TextureFormat::Rgba32Float, TextureFormat::R32Float];
+
 struct Taa {
     params: Params,
-    pipeline: ComputePipeline,
+    pipeline: RenderPipeline,
     uniform: Buffer,
-    /// Colour with the number of frames in it; even depth.
     history: History,
 }
 
@@ -88,12 +90,19 @@ impl Taa {
     fn new(context: &MakeContext, values: &ParamValues) -> Result<Self, Error> {
         let shader = context.shader(TECHNIQUE.id, include_str!("taa.wesl"))?;
         let options = PipelineOptions { list_length: context.textures, ..Default::default() };
+        let state = RenderState {
+            vertex: "vertex",
+            fragment: Some("resolve"),
+            targets: &FORMATS.map(wgpu::ColorTargetState::from),
+            depth: None,
+            primitive: wgpu::PrimitiveState::default(),
+        };
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         Ok(Self {
             params: Params::from_values(values),
-            pipeline: ComputePipeline::new(context.device, &shader, "resolve", options)?,
+            pipeline: RenderPipeline::new(context.device, &shader, &state, options)?,
             uniform: context.device.buffer(TECHNIQUE.id, size_of::<GpuParams>() as u64, usage)?,
-            history: History::new(&[TextureFormat::Rgba32Float, TextureFormat::R32Float]),
+            history: History::new(&FORMATS),
         })
     }
 }
@@ -126,11 +135,18 @@ impl Effect for Taa {
                 .with("motion", pass.view(slot::MOTION)?)
                 .with("emission", pass.view(slot::EMISSION)?)
                 .with("color_before", colors)
-                .with("depth_before", depths)
-                .with("color_after", new_colors)
-                .with("depth_after", new_depths)
-                .with("resolved", pass.view(slot::RESOLVED)?);
-            self.pipeline.dispatch(pass.device, pass.encoder, &frame.shared, &own, frame.size().extend(1))
+                .with("depth_before", depths);
+            let mut render = pass.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some(TECHNIQUE.id),
+                color_attachments: &[attachment(new_colors), attachment(new_depths)],
+                ..Default::default()
+            });
+            self.pipeline.set(pass.device, &mut render, &frame.shared, &own)?;
+            render.draw(0..3, 0..1);
+            drop(render);
+            let resolved = pass.texture(slot::RESOLVED)?.wgpu.clone();
+            pass.encoder.copy_texture_to_texture(new_colors.wgpu.as_image_copy(), resolved.as_image_copy(), resolved.size());
+            Ok(())
         });
     }
 
@@ -142,6 +158,12 @@ impl Effect for Taa {
     fn history(&self) -> u32 {
         if self.params.alpha < 1.0 { (0.05f32.ln() / (1.0 - self.params.alpha).ln()).ceil() as u32 } else { 1 }
     }
+}
+
+/// The whole image is written anew.
+fn attachment(target: &Texture) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
+    Some(wgpu::RenderPassColorAttachment { view: &target.view, depth_slice: None, resolve_target: None, ops })
 }
 
 #[cfg(test)]

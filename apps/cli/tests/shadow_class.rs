@@ -159,3 +159,49 @@ fn a_png_shows_three_colours() {
         assert_eq!(run(folder.path(), &[&words[..], &[wrong]].concat()).status.code(), Some(2), "{wrong}");
     }
 }
+
+/// Classes leave the other layers of the real-time renderer as they are, and are those of one frame at pixel centres however many frames the
+/// picture is the mean of, and under a technique that samples elsewhere; where that takes a frame of its own, a note says so.
+#[test]
+fn classes_do_not_change_the_other_layers_of_the_real_time_renderer() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = ["render", "builtin:umbra", "--size", "64x36", "--renderer", "realtime", "--technique", "direct-visibility=shadow/map"];
+    let of = |aov: &str, more: &[&str]| {
+        let output = run(folder.path(), &[&words[..], &["-o", "x.exr", "--aov", aov], more].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        (ExrFile::read(&folder.path().join("x.exr")).unwrap(), String::from_utf8(output.stderr).unwrap())
+    };
+    let numbers =
+        |file: &ExrFile, name: &str| file.layer(name).unwrap().channels.iter().map(|(_, values)| values.clone()).collect::<Vec<_>>();
+    let both = "direct,visibility.lamp,shadow-class.lamp";
+    let (centred, said) = of(both, &[]);
+    assert!(!said.contains("shadow classes"), "{said}");
+    for more in [["--spp", "4"], ["--technique", "anti-alias=aa/taa"]] {
+        let ((with, said), (without, silent)) = (of(both, &more), of("direct,visibility.lamp", &more));
+        for name in ["", "direct", "visibility.lamp"] {
+            assert_eq!(numbers(&with, name), numbers(&without, name), "{more:?}: {name}");
+        }
+        assert_eq!(numbers(&with, "shadow-class.lamp"), numbers(&centred, "shadow-class.lamp"), "{more:?}");
+        assert!(said.contains("note: shadow classes are of a frame of their own") && !silent.contains("shadow classes"), "{said}");
+    }
+    assert_ne!(
+        numbers(&of(both, &["--spp", "4"]).0, "visibility.lamp"),
+        numbers(&centred, "visibility.lamp"),
+        "frames are sampled elsewhere"
+    );
+}
+
+/// The path tracer samples all images at pixel centres for classes: a note says so, and every file which filter it was.
+#[test]
+fn the_path_tracer_tells_that_classes_change_the_filter() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |more: &[&str]| {
+        let words = ["render", "builtin:umbra", "--size", "16x9", "--spp", "1", "-o", "x.exr"];
+        let output = run(folder.path(), &[&words[..], more].concat());
+        let file = ExrFile::read(&folder.path().join("x.exr")).unwrap();
+        (String::from_utf8(output.stderr).unwrap().contains("sampled at pixel centres"), file.metadata["filter"].clone())
+    };
+    assert_eq!(of(&["--aov", "direct,shadow-class.lamp"]), (true, "center".to_owned()));
+    assert_eq!(of(&["--aov", "direct,shadow-class.lamp", "--filter", "box"]), (false, "box".to_owned()));
+    assert_eq!(of(&["--aov", "direct"]), (false, "blackman-harris".to_owned()));
+}

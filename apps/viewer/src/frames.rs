@@ -179,7 +179,7 @@ impl Tools {
             *before = moment.clone();
         }
         renderer.resize(shot.size)?;
-        renderer.set_camera(&shot.camera, &shot.camera);
+        renderer.set_camera(&shot.camera, &shot.camera)?;
         Ok(renderer)
     }
 }

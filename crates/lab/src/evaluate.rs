@@ -76,6 +76,7 @@ pub fn evaluate(judge: &Judge, takes: &[Take], what: &str) -> Result<Evaluation,
     };
     if judge.kind == Kind::Visibility {
         borders(judge, &takes[0], &mut error).map_err(named)?;
+        error.shadow_classes = Some(confusion(judge, takes).map_err(named)?);
     }
     let temporal = Temporal { flicker: flicker(&stacked), still_flicker: flicker(&stacked), ..Temporal::default() };
     Ok(Evaluation { error, temporal, heat: largest_over_parts(&map, judge.size()), stacked: stacked.into_iter().next().expect("a take") })
@@ -111,7 +112,7 @@ fn student_95(n: usize) -> f64 {
     TABLE.get(n.saturating_sub(2)).copied().unwrap_or(1.96)
 }
 
-/// Shadow borders of each light; the totals are over all lights.
+/// Shadow borders of each light in one take; the totals are over all lights.
 fn borders(judge: &Judge, take: &Take, error: &mut RunError) -> Result<(), MetricsError> {
     let scalar = |image: &Image<LinearRgb>| image.map(|p| p[0]);
     let (mut off, mut mismatches, mut border, mut border_error) = (0, 0, 0, 0.0);
@@ -130,14 +131,19 @@ fn borders(judge: &Judge, take: &Take, error: &mut RunError) -> Result<(), Metri
             border_px: result.border_px,
         });
     }
-    let scalars = |parts: &mut dyn Iterator<Item = &Image<LinearRgb>>| parts.map(scalar).collect::<Vec<_>>();
-    let (images, references) = (scalars(&mut take.parts.iter()), scalars(&mut judge.parts.iter().map(|part| &part.image)));
-    error.shadow_classes = Some(ClassConfusion::new(images.iter().zip(&references), judge.mask.as_ref())?);
     error.off_border_mismatch = Some(mismatches as f64 / off.max(1) as f64);
     error.off_border_mismatches = Some(mismatches);
     error.border_error = Some(border_error / border.max(1) as f64);
     error.border_px = (!distances.is_empty()).then(|| distances.iter().sum::<f64>() / distances.len() as f64);
     Ok(())
+}
+
+/// Which class the mean over the takes takes for which: one take of one ray a pixel has no penumbra.
+fn confusion(judge: &Judge, takes: &[Take]) -> Result<ClassConfusion, MetricsError> {
+    let scalar = |image: &Image<LinearRgb>| image.map(|p| p[0]);
+    let images: Vec<_> = mean_parts(takes).iter().map(scalar).collect();
+    let references: Vec<_> = judge.parts.iter().map(|part| scalar(&part.image)).collect();
+    ClassConfusion::new(images.iter().zip(&references), judge.mask.as_ref())
 }
 
 /// Pixels that show a surface, and of which it is known whether they lie on a border of the shadow.

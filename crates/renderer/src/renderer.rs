@@ -49,6 +49,8 @@ pub struct Renderer {
     bsdf_tables: Buffer,
     frame: Buffer,
     trace: TraceScene,
+    /// Instances that rays meet.
+    kept: Vec<bool>,
     gbuffer: GBuffer,
     environment: EnvironmentMap,
     background: Background,
@@ -140,6 +142,7 @@ impl Renderer {
             geometry,
             textures,
             trace,
+            kept,
             current: snapshot.clone(),
             previous: snapshot.clone(),
             scene: scene.clone(),
@@ -161,8 +164,8 @@ impl Renderer {
         if !self.geometry.holds(current, previous) {
             self.geometry = Geometry::new(&self.device, current, previous, &self.scene)?;
         }
-        let kept = kept_for_rays(&self.scene, current, &self.settings);
-        self.trace = TraceScene::new(&self.device, self.backend, current, &self.geometry, &kept, Some(&self.trace))?;
+        self.kept = kept_for_rays(&self.scene, current, &self.settings);
+        self.trace = TraceScene::new(&self.device, self.backend, current, &self.geometry, &self.kept, Some(&self.trace))?;
         let all = self.watched.len() == self.lights.list.len();
         self.lights = Lights::new(&self.device, &self.scene, current, Some(&self.lights))?;
         let count = self.lights.list.len();
@@ -186,18 +189,34 @@ impl Renderer {
             self.settings.size = size;
             self.pool = pool(&self.settings, self.lights.list.len());
             self.last_index = None;
+            self.keep_for_rays()?;
+        }
+        Ok(())
+    }
+
+    /// Chooses again which instances rays meet, after the camera or the shape of its image has changed.
+    fn keep_for_rays(&mut self) -> Result<(), Error> {
+        let kept = kept_for_rays(&self.scene, &self.current, &self.settings);
+        if kept != self.kept {
+            self.trace = TraceScene::new(&self.device, self.backend, &self.current, &self.geometry, &kept, Some(&self.trace))?;
+            self.kept = kept;
         }
         Ok(())
     }
 
     /// Looks through `current` from now on; motion vectors are measured against `previous`, the camera of one frame ago.
-    /// It replaces the chosen camera until the next [`Self::set_snapshot`].
-    pub fn set_camera(&mut self, current: &PlacedCamera, previous: &PlacedCamera) {
+    /// It replaces the chosen camera until the next [`Self::set_snapshot`]. Where rays leave instances out by the camera, the structure
+    /// that they walk is built again when others are left out.
+    ///
+    /// # Errors
+    /// When the device refuses.
+    pub fn set_camera(&mut self, current: &PlacedCamera, previous: &PlacedCamera) -> Result<(), Error> {
         let index = self.settings.camera.min(self.current.cameras.len() - 1);
         self.still &= motion::same_view(&self.current.cameras[index], current) && motion::same_view(current, previous);
         self.last_index = None;
         self.current.cameras[index] = current.clone();
         self.previous.cameras[index] = previous.clone();
+        self.keep_for_rays()
     }
 
     /// What this renderer does not simulate in this scene.
@@ -352,6 +371,7 @@ impl Renderer {
         if settings.forward
             && let Some(forward) = &self.forward
         {
+            forward.prepare_opaque(&all, specular.effect.mirrors_up_to());
             let mut graph = graph_after(&[]);
             forward.record_opaque(&all, &seen, &mut graph);
             timings.merge(&graph.execute(&device, &mut pool)?);

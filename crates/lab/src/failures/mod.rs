@@ -13,7 +13,13 @@
 //! | aliasing | lit or cast | the opposite | hugs the border; light in the shadow with faults of the other sign near, shadow on what is lit always |
 //! | missed penumbra | penumbra, with all neighbours | one class, over 5 × 5 px | the two differ by more than a tenth |
 //!
-//! Faults one pixel deep at the border are none: any rasterisation has them. Nor is what happens outside the cone of a spot and behind a flat lamp.
+//! Faults one pixel deep at the border are none: any rasterisation has them. Nor is what happens outside the cone of a spot and behind a flat lamp; shares are
+//! of the pixels that remain.
+//!
+//! The words are the literature's: acne, or erroneous self-shadowing, and detachment, or Peter Panning, the two ends of a depth bias \[Reeves87\],
+//! \[MicrosoftShadows\]; leaks are the light bleeding of filtered maps \[Donnelly06\], \[Lauritzen08\] section 4, and of any shadow that has a hole;
+//! aliasing is of perspective and projection \[Stamminger02\], \[Wimmer04\]; umbra and penumbra \[Arvo03\] section 2, \[Hasenfratz03\]. They describe what
+//! is seen, and how it comes about; the tests on images in the table are ours.
 
 mod regions;
 mod shadows;
@@ -87,7 +93,7 @@ impl Class {
 pub struct Failures {
     /// The class of each pixel, over all lights.
     pub image: Image<Option<Class>>,
-    /// Share of each class in all pixels that show a surface, lights counted one by one.
+    /// Share of each class in the pixels that show a surface which the light can reach, lights counted one by one.
     pub shares: BTreeMap<Class, f64>,
 }
 
@@ -97,7 +103,7 @@ pub fn reach(height: u32) -> f32 {
 }
 
 impl Failures {
-    /// The faults of `parts`, the visibility of each judged light. `lights`: where they are, in the order of the judge's parts.
+    /// The faults of `parts`, the visibility of each judged light: in reports the mean over all takes, in the viewer one frame. `lights`: where they are, in the order of the judge's parts.
     ///
     /// # Errors
     /// Sizes that differ.
@@ -107,16 +113,18 @@ impl Failures {
         let surfaces = Surfaces::new(gbuffer, judge.mask.as_ref())?;
         let mut image: Image<Option<Class>> = Image::from_fn(judge.size(), |_, _| None);
         let mut counts: BTreeMap<Class, u64> = Class::ALL.map(|class| (class, 0)).into();
+        let mut reachable = 0;
         for ((part, reference), light) in parts.iter().zip(&judge.parts).zip(lights) {
-            let found = shadows::classify(&scalar(part), &scalar(&reference.image), &surfaces, *light)?;
+            let reached = surfaces.reached(*light);
+            reachable += reached.pixels().iter().filter(|reached| **reached).count();
+            let found = shadows::classify(&scalar(part), &scalar(&reference.image), &surfaces, (*light, &reached))?;
             for (shown, class) in image.pixels_mut().iter_mut().zip(found.pixels()) {
                 let Some(class) = class else { continue };
                 *counts.get_mut(class).expect("every class is counted") += 1;
                 *shown = Some(shown.map_or(*class, |before| before.min(*class)));
             }
         }
-        let seen = surfaces.seen.pixels().iter().filter(|seen| **seen).count() * parts.len();
-        let shares = counts.into_iter().map(|(class, count)| (class, count as f64 / seen.max(1) as f64)).collect();
+        let shares = counts.into_iter().map(|(class, count)| (class, count as f64 / reachable.max(1) as f64)).collect();
         Ok(Self { image, shares })
     }
 

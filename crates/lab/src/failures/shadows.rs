@@ -15,7 +15,7 @@ const AT_CONTACT: usize = 2;
 /// Half the width of the window in which a penumbra is looked for, px.
 const PENUMBRA_WINDOW: u32 = 2;
 
-/// The class of each pixel.
+/// The class of each pixel under a light, and the pixels that it can reach.
 ///
 /// # Errors
 /// Sizes that differ.
@@ -23,10 +23,9 @@ pub fn classify(
     image: &Image<f32>,
     reference: &Image<f32>,
     surfaces: &Surfaces,
-    light: LightPlace,
+    (light, reached): (LightPlace, &Image<bool>),
 ) -> Result<Image<Option<Class>>, MetricsError> {
-    let reached = surfaces.reached(light);
-    let classes = shadow_classes(reference, Some(&reached))?;
+    let classes = shadow_classes(reference, Some(reached))?;
     let size = classes.size();
     let lit = classes.map(|class| *class == Some(ShadowClass::Lit));
     let cast = Image::from_fn(size, |x, y| *classes.get(x, y) == Some(ShadowClass::Umbra) && surfaces.faces(light, x, y));
@@ -39,7 +38,7 @@ pub fn classify(
         surfaces,
         light,
         reach: reach(size.y),
-        border: border_distance(reference, Some(&reached))?,
+        border: border_distance(reference, Some(reached))?,
         to_light_faults: distance_to(&light_faults),
         to_dark_faults: distance_to(&dark_faults),
     };

@@ -39,12 +39,20 @@ fn truth(soft: f32) -> Image<f32> {
     Image::from_fn(SIZE, |_, y| if y < END { 0.0 } else { ((y - END) as f32 + 0.5).min(soft) / soft })
 }
 
+/// The wall stands between it and the floor.
+fn sun() -> LightPlace {
+    LightPlace::Towards(Vec3::new(0.0, 1.0, -1.0).normalize())
+}
+
 /// Shares of all classes, and those that are not zero.
 fn faults(image: &Image<f32>, soft: f32) -> (Failures, Vec<Class>) {
+    faults_of(image, soft, sun())
+}
+
+fn faults_of(image: &Image<f32>, soft: f32, light: LightPlace) -> (Failures, Vec<Class>) {
     let grey = |image: &Image<f32>| image.map(|v| LinearRgb::splat(*v));
     let part = Part { name: "visibility.sun".into(), image: grey(&truth(soft)), variance: None, settled: None };
     let judge = Judge { parts: vec![part], mask: None, kind: Kind::Visibility, composed: None };
-    let light = LightPlace::Towards(Vec3::new(0.0, 1.0, -1.0).normalize());
     let failures = Failures::new(&judge, &[grey(image)], &gbuffer(), &[light]).unwrap();
     let found = failures.shares.iter().filter(|(_, share)| **share > 0.0).map(|(class, _)| *class).collect();
     (failures, found)
@@ -124,6 +132,21 @@ fn where_a_spot_does_not_shine_nothing_fails() {
     let found = places(&scene, &snapshot, &[0, 1, 2]);
     let LightPlace::Cone { axis, cosine, .. } = found[1] else { panic!("the spot is a cone: {found:?}") };
     assert!(axis.y < 0.0 && (cosine - 26f32.to_radians().cos()).abs() < 1e-6 && found[1].shines_on(Vec3::new(-1.4, 0.0, 0.2)));
+}
+
+/// The same hole in the shadow of a spot that reaches a part of the floor is a larger share of what it reaches.
+#[test]
+fn shares_are_of_what_the_light_can_reach() {
+    let hole = changed(1.0, |x, y, v| if (50..60).contains(&x) && (45..52).contains(&y) { 1.0 } else { v });
+    let (far, middle) = (Vec3::new(0.55, 100.0, -100.0), Vec3::new(0.55, 0.0, 0.185));
+    let axis = (middle - far).normalize();
+    let spot = LightPlace::Cone { at: far, axis, cosine: (0.2f32 / (middle - far).length()).atan().cos() };
+    let buffer = gbuffer();
+    let reached = buffer.position.pixels().iter().filter(|point| spot.shines_on(**point)).count();
+    assert!(reached > 100 && reached < 3000, "{reached}");
+    let (of_sun, of_spot) = (faults(&hole, 1.0).0, faults_of(&hole, 1.0, spot).0);
+    assert_eq!(of_sun.shares[&Class::Leak], 70.0 / f64::from(SIZE.element_product()));
+    assert_eq!(of_spot.shares[&Class::Leak], 70.0 / reached as f64);
 }
 
 #[test]

@@ -23,7 +23,7 @@ pub fn failures(report: &Report, runs: &[usize]) -> Markup {
         @if runs.iter().any(told) {
             details {
                 summary { "How shadows fail" }
-                p.note { "Shares of the pixels that show a surface, lights counted one by one. The masks are among the pictures." }
+                p.note { "Shares of the pixels that show a surface within the reach of a light, lights counted one by one, in the mean over all takes. The masks are among the pictures." }
                 div.scroll tabindex="0" role="region" aria-label="How shadows fail" { table {
                     thead { tr {
                         th.technique scope="col" { "technique" }
@@ -52,7 +52,7 @@ pub fn confusion(report: &Report, runs: &[usize]) -> Markup {
             details {
                 summary { "Umbra, penumbra and light" }
                 p.note {
-                    "Shares of the pixels that show a surface, lights counted one by one, by their class in the reference and in the image. Umbra: none of the light is seen; "
+                    "Shares of the pixels that show a surface, lights counted one by one, by their class in the reference and in the mean over all takes. Umbra: none of the light is seen; "
                     "penumbra: a part of it; lit: all."
                 }
                 div.scroll tabindex="0" role="region" aria-label="Umbra, penumbra and light" { table {

@@ -158,7 +158,7 @@ pub struct Run {
     pub temporal: Temporal,
     /// Cost of a frame; `null` when skipped.
     pub cost: Option<Cost>,
-    /// Share of each class of failure in all pixels that show a surface, lights counted one by one: see [`crate::failures`].
+    /// Share of each class of failure in the pixels that a light can reach, lights counted one by one, in the mean over all takes: see [`crate::failures`].
     pub failures: BTreeMap<String, f64>,
     /// Files of its images, by kind.
     pub images: BTreeMap<String, String>,
@@ -215,7 +215,7 @@ pub struct RunError {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub border_px: Option<f64>,
     /// Which of umbra, penumbra and lit the technique takes for which: `shadow_classes.penumbra.lit` is the share of pixels that are penumbra in the
-    /// reference and lit in the image (visibility).
+    /// reference and lit in the mean over all takes (visibility).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shadow_classes: Option<ClassConfusion>,
     /// The same for each light (visibility).

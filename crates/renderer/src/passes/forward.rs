@@ -3,6 +3,7 @@
 use super::{Setup, TRIANGLES, attachment, depth_state};
 use kajo_render_graph::wgpu::{self, BufferUsages};
 use kajo_render_graph::{Access, Bindings, Buffer, Error, Graph, PassContext, PipelineOptions, RenderPipeline, RenderState, Slot, slot};
+use kajo_shader_lib::ShaderLayout;
 use kajo_techniques::{Coverage, FrameContext};
 
 /// Coverage times the surface plus the rest times what lies behind.
@@ -19,11 +20,26 @@ const OVER: wgpu::BlendState = wgpu::BlendState {
     },
 };
 
+/// Twin of `Params` in forward.wesl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable, ShaderLayout)]
+struct GpuParams {
+    samples: u32,
+    blended: u32,
+    mirrored: f32,
+    padding: u32,
+}
+
 pub(crate) struct Forward {
+    samples: u32,
     blended: RenderPipeline,
     opaque: RenderPipeline,
     blended_params: Buffer,
     opaque_params: Buffer,
+}
+
+fn params(samples: u32, blended: bool, mirrored: Option<f32>) -> GpuParams {
+    GpuParams { samples, blended: u32::from(blended), mirrored: mirrored.unwrap_or(-1.0), padding: 0 }
 }
 
 impl Forward {
@@ -45,9 +61,15 @@ impl Forward {
         Ok(Self {
             blended: pipeline(Some(OVER), slot::COLOR, wgpu::CompareFunction::Greater)?,
             opaque: pipeline(None, slot::DIRECT, wgpu::CompareFunction::Equal)?,
-            blended_params: setup.device.buffer_with("forward", &[samples, 1, 0, 0], BufferUsages::UNIFORM)?,
-            opaque_params: setup.device.buffer_with("forward", &[samples, 0, 0, 0], BufferUsages::UNIFORM)?,
+            blended_params: setup.device.buffer_with("forward", &[params(samples, true, None)], BufferUsages::UNIFORM)?,
+            opaque_params: setup.device.buffer("forward", size_of::<GpuParams>() as u64, BufferUsages::UNIFORM | BufferUsages::COPY_DST)?,
+            samples,
         })
+    }
+
+    /// Before the opaque surfaces of a frame: those up to the roughness `mirrored` get no highlights of emissive meshes.
+    pub fn prepare_opaque(&self, frame: &FrameContext, mirrored: Option<f32>) {
+        self.opaque_params.write(&frame.device.queue, bytemuck::bytes_of(&params(self.samples, false, mirrored)));
     }
 
     /// Lights every visible opaque surface again, in place of the deferred light; shows nothing but what the G-buffer's pass saw.
@@ -91,5 +113,19 @@ impl Forward {
             frame.draw(&mut render, |draw| std::ptr::eq(draw, &frame.draws[index]));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kajo_techniques::{TraceBackend, shaders};
+
+    #[test]
+    fn the_uniform_is_laid_out_as_the_shader_reads_it() {
+        let linked =
+            shaders::link("passes/forward", include_str!("forward.wesl"), shaders::Variant::without_models(TraceBackend::Compute, true))
+                .unwrap();
+        linked.check_layout::<GpuParams>("Params").unwrap();
     }
 }

@@ -14,10 +14,11 @@ use std::f32::consts::PI;
 fn deferred_light_equals_forward_light() {
     let device = Device::new().unwrap();
     let size = UVec2::new(96, 96);
-    for name in ["shadows", "moving"] {
+    // With reflections, which show glowing meshes in smooth surfaces in the place of highlights.
+    for (name, reflection) in [("shadows", "reflection/none"), ("moving", "reflection/none"), ("glossy-floor", "reflection/ray-traced")] {
         let scene = builtin::load(name).unwrap();
         let mut renderer = renderer(&device, &scene, size, None);
-        let roles = RoleSelection::new().choose("shadow/none", &[]).unwrap();
+        let roles = RoleSelection::new().choose("shadow/none", &[]).unwrap().choose(reflection, &[]).unwrap();
         let deferred = renderer.render(&roles, &FrameSettings { gbuffer: true, ..Default::default() }).unwrap();
         let forward = renderer.render(&roles, &FrameSettings { forward: true, ..Default::default() }).unwrap();
         let images = deferred.gbuffer.unwrap();

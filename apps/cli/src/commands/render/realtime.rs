@@ -6,6 +6,7 @@ use crate::arguments::{Common, Render};
 use crate::failure::{Failure, Outcome};
 use crate::{output, view};
 use kajo_image::{ExrFile, Layer, ToneMap, tone_map, write_png};
+use kajo_params::ParamValues;
 use kajo_render_graph::Device;
 use kajo_renderer::{FrameOutput, FrameSettings, GBufferImages, Read, Renderer, RendererSettings, RoleSelection};
 use kajo_scene::Scene;
@@ -41,7 +42,11 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
         Some(count) if count > 1 => renderer.accumulate(&roles, &settings, count)?,
         _ => renderer.render(&roles, &settings)?,
     };
+    let points = points(&mut renderer, &roles, &settings, arguments)?;
     if !common.quiet {
+        if points.is_some() {
+            eprintln!("note: shadow classes are of a frame of their own at pixel centres; the other images are as without them");
+        }
         frame.ignored.iter().for_each(|ignored| eprintln!("note: {ignored}"));
     }
     if let Some(folder) = &arguments.debug {
@@ -56,7 +61,7 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
 
     let mut metadata = provenance();
     metadata.insert("adapter".into(), device.info().name.clone());
-    let classes = classes(&frame, renderer.light_names(), &arguments.aov)?;
+    let classes = classes(points.as_ref().unwrap_or(&frame), renderer.light_names(), &arguments.aov)?;
     let light = arguments.aov.first().and_then(|word| shadow_class::light_of(word)).filter(|_| shadow_class::is_picture(arguments));
     let mut layers = layers(&frame, renderer.light_names());
     layers.extend(classes.iter().map(Classes::layer));
@@ -75,6 +80,17 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
         return Ok(());
     }
     output::text(&format!("{}: {:.2} ms on {}\n", output.display(), frame.timings.total_ms(), device.info().name))
+}
+
+/// The frame that classes are of where the picture's is no image of points at pixel centres: the mean of several, or smoothed between frames.
+fn points(renderer: &mut Renderer, roles: &RoleSelection, settings: &FrameSettings, arguments: &Render) -> Outcome<Option<FrameOutput>> {
+    let centred = kajo_techniques::default_of(Role::AntiAlias).expect("each role has a technique");
+    let is_centred =
+        arguments.spp.is_none_or(|count| count <= 1) && roles.technique(Role::AntiAlias).is_none_or(|chosen| chosen.id == centred.id);
+    if is_centred || !shadow_class::is_asked(&arguments.aov) {
+        return Ok(None);
+    }
+    Ok(Some(renderer.render(&roles.clone().with(centred, ParamValues::defaults(centred.params)), settings)?))
 }
 
 /// Writes each picture twice: as a display shows it, and with its numbers. The light's number in its name tells lights whose names look alike in a file's;

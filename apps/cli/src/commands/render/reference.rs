@@ -40,7 +40,14 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     };
     let settings = match arguments.tracing.filter {
         // Classes are of points.
-        None if asks_for_classes(&arguments.aov) => Settings { filter: Filter::Center, ..settings },
+        None if shadow_class::is_asked(&arguments.aov) => {
+            if !common.quiet && !shadow_class::is_picture(arguments) {
+                eprintln!(
+                    "note: shadow classes are of points: all images are sampled at pixel centres, without anti-aliasing; --filter chooses otherwise"
+                );
+            }
+            Settings { filter: Filter::Center, ..settings }
+        }
         _ => settings,
     };
     let tracer = tracer.with_culling(arguments.view.ray_culling, &settings)?;
@@ -64,6 +71,8 @@ pub fn run(common: &Common, arguments: &Render, scene: &Scene, time: f64, output
     };
     let stats = stats(arguments, &frame, build_seconds, tracer.bvh_bytes(), denoised.as_ref().map(|denoised| denoised.seconds));
     let mut metadata = provenance();
+    let filter = Filter::ALL.iter().find(|(_, filter)| *filter == settings.filter).map_or("", |(name, _)| name);
+    metadata.insert("filter".into(), filter.into());
     metadata.extend(stats.as_object().into_iter().flatten().map(|(key, value)| (key.clone(), value.to_string())));
     let image = denoised.as_ref().map_or(frame.beauty(), |denoised| &denoised.image);
     let classes = classes(&frame, &arguments.aov)?;
@@ -124,10 +133,6 @@ fn aovs(words: &[String], tracer: &Tracer, max_depth: u32) -> Outcome<Vec<Aov>> 
         }
     });
     Ok(unique)
-}
-
-fn asks_for_classes(words: &[String]) -> bool {
-    words.iter().any(|word| shadow_class::light_of(word).is_some())
 }
 
 /// The images, with those that classes are derived from.

@@ -19,6 +19,11 @@ pub fn light_of(word: &str) -> Option<&str> {
     word.trim().strip_prefix(PREFIX).filter(|light| !light.is_empty())
 }
 
+/// True when classes of any light are asked.
+pub fn is_asked(words: &[String]) -> bool {
+    words.iter().any(|word| light_of(word).is_some())
+}
+
 /// The classes of one light.
 pub struct Classes {
     light: String,
@@ -47,7 +52,7 @@ impl Classes {
 
 /// True when the picture is to be one of classes.
 pub fn is_picture(arguments: &Render) -> bool {
-    arguments.aov.iter().any(|word| light_of(word).is_some()) && Format::of(&arguments.output).is_ok_and(|format| format == Format::Png)
+    is_asked(&arguments.aov) && Format::of(&arguments.output).is_ok_and(|format| format == Format::Png)
 }
 
 /// A PNG holds one picture: that of one light's classes and nothing else.

@@ -105,7 +105,7 @@ impl Effect for Constant {
 
 /// Irradiance by light that bounced, W/m², if every surface gave its light to all others alike: (Φ/A) ρ̄/(1 − ρ̄).    \[Cohen88]
 ///
-/// `radius` (m) bounds the scene: directional lights shine on a disc of it.
+/// Unlit surfaces reflect nothing. `radius` (m) bounds the scene: directional lights shine on a disc of it.
 fn even_exchange(scene: &Scene, snapshot: &Snapshot, radius: f32) -> Vec3 {
     let power: Vec3 = light_powers(scene, snapshot, radius).iter().map(|power| power.0).sum();
     let default = Material::default();
@@ -120,7 +120,9 @@ fn even_exchange(scene: &Scene, snapshot: &Snapshot, radius: f32) -> Vec3 {
         };
         let here: f32 = mesh.indices.iter().map(|indices| triangle(*indices)).sum();
         area += here;
-        reflecting += here * material.base_color.0 * (1.0 - material.transmission);
+        if !material.unlit {
+            reflecting += here * material.base_color.0 * (1.0 - material.transmission);
+        }
     }
     if area <= 0.0 {
         return Vec3::ZERO;

@@ -13,10 +13,10 @@ fn the_uniform_is_laid_out_as_the_shader_reads_it() {
 /// A cube of 2 m lit by a point: E = 4π I/24 m² · ρ/(1 − ρ).
 #[test]
 fn a_closed_room_gets_what_even_exchange_leaves() {
-    let room = |albedo: f32| {
+    let room = |albedo: f32, unlit: bool| {
         let base_color = LinearRgb::splat(albedo);
         let scene = Scene {
-            materials: vec![Material { base_color, ..Material::default() }],
+            materials: vec![Material { base_color, unlit, ..Material::default() }],
             meshes: vec![Arc::new(shapes::cuboid(Vec3::ONE).inside_out())],
             lights: vec![Light { name: String::new(), shape: LightShape::Point, emission: LinearRgb::splat(6.0) }],
             nodes: vec![
@@ -27,6 +27,8 @@ fn a_closed_room_gets_what_even_exchange_leaves() {
         };
         even_exchange(&scene, &Snapshot::new(&scene, Seconds(0.0)), 3.0f32.sqrt()).x
     };
-    assert!((room(0.5) - PI).abs() < 1e-4, "{}", room(0.5));
-    assert!((room(0.8) - 4.0 * PI).abs() < 1e-3 && room(0.0) == 0.0, "{}", room(0.8));
+    let lit = |albedo: f32| room(albedo, false);
+    assert!((lit(0.5) - PI).abs() < 1e-4, "{}", lit(0.5));
+    assert!((lit(0.8) - 4.0 * PI).abs() < 1e-3 && lit(0.0) == 0.0, "{}", lit(0.8));
+    assert_eq!(room(0.5, true), 0.0, "walls that reflect nothing");
 }

@@ -12,7 +12,7 @@ use glam::{UVec2, UVec3, Vec3};
 use kajo_params::{ParamChoice, ParamValues, Params};
 use kajo_render_graph::wgpu::BufferUsages;
 use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Device, Graph, PipelineOptions, Pool, Timings, readback, slot};
-use sources::Sources;
+use sources::{Sky, Sources};
 
 /// The technique.
 pub const TECHNIQUE: Technique = Technique {
@@ -90,7 +90,8 @@ struct VirtualLights {
     count: Buffer,
     rays: RayCount,
     still: StillLife,
-    /// What the paths start from; `None` before the first frame.
+    /// The environment and all that paths start from; `None` before the first frame.
+    sky: Option<Sky>,
     sources: Option<Sources>,
     /// Paths are to be followed in this frame.
     dark: bool,
@@ -117,6 +118,7 @@ impl VirtualLights {
             count: buffer("gi/vpl count", 4, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?,
             rays: RayCount::new(context, "gi/vpl rays")?,
             still: StillLife::default(),
+            sky: None,
             sources: None,
             dark: true,
             clamped: None,
@@ -138,7 +140,11 @@ impl Effect for VirtualLights {
         let (center, radius) = around(frame.bounds);
         let changed = self.still.changed(frame);
         if changed || self.sources.is_none() {
-            self.sources = Some(Sources::new(frame, radius)?);
+            let sky = match self.sky.take() {
+                Some(sky) => sky,
+                None => Sky::new(frame)?,
+            };
+            self.sources = Some(Sources::new(frame, self.sky.insert(sky), radius)?);
         }
         self.dark = changed || self.params.renew == Renew::Frame;
         let sources = self.sources.as_ref().expect("made above");
@@ -166,13 +172,15 @@ impl Effect for VirtualLights {
     }
 
     fn run(&mut self, frame: &FrameContext, _pool: &Pool) -> Result<Timings, Error> {
-        let (true, Some(sources)) = (self.dark && self.shines(), &self.sources) else { return Ok(Timings::default()) };
+        let (true, Some(sources), Some(sky)) = (self.dark && self.shines(), &self.sources, &self.sky) else {
+            return Ok(Timings::default());
+        };
         let mut graph = Graph::new();
         graph.pass(Access::new("gi/vpl/emit"), |pass| {
             let own = Bindings::new()
                 .with("params", &self.uniform)
                 .with("choices", &sources.choices)
-                .with("sky", &sources.sky)
+                .with("sky", &sky.rays)
                 .with("left", &self.left)
                 .with(RayCount::BINDING, self.rays.buffer());
             self.emit.dispatch(pass.device, pass.encoder, &frame.shared, &own, UVec3::new(self.params.paths, 1, 1))?;

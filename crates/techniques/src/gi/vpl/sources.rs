@@ -11,12 +11,30 @@ use std::f32::consts::PI;
 /// Directions of the sky that paths start from.
 const SKY_RAYS: u32 = 4096;
 
+/// The environment on the device: it is the scene's, whatever moves.
+pub(super) struct Sky {
+    /// Its rays.
+    pub rays: Buffer,
+    /// Mean of the luminance of their weights; `None` where it does not shine.
+    mean: Option<f32>,
+}
+
+impl Sky {
+    pub fn new(frame: &FrameContext) -> Result<Self, Error> {
+        let mut rays = sky_rays(frame.scene.environment.as_ref(), SKY_RAYS);
+        let mean = || (rays.iter().map(|ray| f64::from(LinearRgb(ray.weight).luminance())).sum::<f64>() / f64::from(SKY_RAYS)) as f32;
+        let mean = (!rays.is_empty()).then(mean);
+        if mean.is_none() {
+            rays.push(SkyRay::default());
+        }
+        Ok(Self { rays: frame.device.buffer_with("gi/vpl sky", &rays, BufferUsages::STORAGE)?, mean })
+    }
+}
+
 /// The sources on the device.
 pub(super) struct Sources {
     /// Of each, the end of its interval of [0, 1) and its length.
     pub choices: Buffer,
-    /// Rays of the environment.
-    pub sky: Buffer,
     /// How many; none where nothing shines.
     pub count: u32,
     /// The last one is the environment.
@@ -24,22 +42,14 @@ pub(super) struct Sources {
 }
 
 impl Sources {
-    pub fn new(frame: &FrameContext, radius: f32) -> Result<Self, Error> {
-        let mut rays = sky_rays(frame.scene.environment.as_ref(), SKY_RAYS);
-        let sky_shines = !rays.is_empty();
+    pub fn new(frame: &FrameContext, sky: &Sky, radius: f32) -> Result<Self, Error> {
         let mut powers: Vec<f32> = light_powers(frame.scene, frame.snapshot, radius).iter().map(|power| power.luminance()).collect();
-        if sky_shines {
-            let mean = rays.iter().map(|ray| f64::from(LinearRgb(ray.weight).luminance())).sum::<f64>() / f64::from(SKY_RAYS);
-            powers.push(mean as f32 * PI * radius * radius);
-        } else {
-            rays.push(SkyRay::default());
-        }
+        powers.extend(sky.mean.map(|mean| mean * PI * radius * radius));
         let choices = choices(&powers);
         Ok(Self {
             count: choices.len() as u32,
             choices: frame.device.buffer_with("gi/vpl choices", &choices, BufferUsages::STORAGE)?,
-            sky: frame.device.buffer_with("gi/vpl sky", &rays, BufferUsages::STORAGE)?,
-            sky_shines,
+            sky_shines: sky.mean.is_some(),
         })
     }
 }

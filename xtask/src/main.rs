@@ -44,9 +44,12 @@ fn main() -> ExitCode {
     }
 }
 
+/// Tells Mesa's software driver to compile shaders quickly rather than well: tests compile many and draw little. Other drivers do not know it.
+const QUICK_SHADERS: (&str, &str) = ("GALLIVM_PERF", "nopt");
+
 /// All tests, with nextest where it is installed. Further arguments go to the runner.
 fn test(rest: &[&str]) -> Result<(), String> {
     let runner: &[&str] = if shell::succeeds("cargo", &["nextest", "--version"]) { &["nextest", "run"] } else { &["test"] };
     let arguments = [runner, &["--release", "--workspace"], rest].concat();
-    shell::run("cargo", &arguments)
+    shell::run_with(&[QUICK_SHADERS], "cargo", &arguments)
 }

@@ -5,10 +5,16 @@ use std::process::{Command, Stdio};
 
 /// Runs in the workspace root with the terminal's output.
 pub fn run(program: &str, arguments: &[&str]) -> Result<(), String> {
+    run_with(&[], program, arguments)
+}
+
+/// The same with these variables in the environment.
+pub fn run_with(environment: &[(&str, &str)], program: &str, arguments: &[&str]) -> Result<(), String> {
     let line = format!("{program} {}", arguments.join(" "));
     println!("$ {line}");
     let status = Command::new(program)
         .args(arguments)
+        .envs(environment.iter().copied())
         .current_dir(workspace_root())
         .status()
         .map_err(|error| format!("cannot start `{line}`: {error}"))?;

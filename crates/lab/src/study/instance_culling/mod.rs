@@ -1,16 +1,17 @@
 //! Instances that reflections do without.    \[Varjus23] section 7.2
 
+mod rays;
+mod search;
+
 use super::{Bench, Findings, Picture, Plot, Scale, Series, Study, Table};
 use crate::LabError;
-use cpu_time::ThreadTime;
-use glam::{UVec2, Vec3};
-use kajo_bvh::{Blas, BuildOptions, BvhInstance, Counters, Filter as RayFilter, Ray, Tlas};
+use glam::UVec2;
 use kajo_image::{Image, ToneMap, tone_map};
-use kajo_path_tracer::{Aov, Filter, Frame, Pixels, Settings, Stop, Tracer, render, uncontrolled};
+use kajo_path_tracer::{Aov, Filter, Frame, Settings, Stop, Tracer, render, uncontrolled};
 use kajo_scene::{Culling, LoadOptions, Scene, Snapshot, load};
 use kajo_units::{LinearRgb, Meters, Seconds};
-use std::f32::consts::TAU;
-use std::sync::Arc;
+use rays::{Kind, Work, secondary_rays};
+use search::search;
 
 /// The study.
 pub const STUDY: Study =
@@ -22,16 +23,6 @@ const ALLOWED: f64 = 0.01;
 const WANTED: f64 = 0.3;
 /// Factor between thresholds that are lengths.
 const STEP: f32 = 2.0;
-/// Thresholds of a way at most, and halves of the last step.
-const STEPS: usize = 12;
-/// See [`STEPS`].
-const HALVES: usize = 4;
-/// Rays about the normal of each pixel's surface.
-const SPREAD: u8 = 3;
-/// From the rays of each pixel to those of the next, rad.
-const GOLDEN_ANGLE: f32 = 2.399_963;
-/// Rounds of the timed rays.
-const ROUNDS: usize = 5;
 
 /// A way to cull.
 struct Way {
@@ -58,19 +49,26 @@ struct Trial {
     image: Image<LinearRgb>,
 }
 
+/// The reflection with all instances, by the random numbers of a seed.
+struct Reference {
+    seed: u64,
+    image: Image<LinearRgb>,
+}
+
 /// The scene, and what does not change.
 struct Subject {
     scene: Scene,
     snapshot: Snapshot,
     settings: Settings,
     spp: u32,
-    /// With all instances, by seed.
-    references: [Image<LinearRgb>; 2],
+    /// With all instances: those that thresholds are chosen by, and others.
+    references: [Reference; 2],
+    fresh: [Reference; 2],
     mean: f64,
 }
 
 impl Subject {
-    fn new(bench: &Bench) -> Result<(Self, Vec<Ray>), LabError> {
+    fn new(bench: &Bench) -> Result<(Self, [Kind; 2]), LabError> {
         let size = if bench.quick { UVec2::new(160, 90) } else { UVec2::new(480, 270) };
         let scene = load("builtin:scatter:10000", &LoadOptions::default())?;
         let snapshot = Snapshot::new(&scene, Seconds(0.0));
@@ -86,10 +84,11 @@ impl Subject {
         let tracer = Tracer::new(&scene, snapshot.clone())?;
         let frame = rendered(&tracer, &settings, spp, 0)?;
         let rays = secondary_rays(&frame, snapshot.cameras[0].world_from_view.w_axis.truncate());
-        let references = [reflection(&frame), reflection(&rendered(&tracer, &settings, spp, 1)?)];
-        let values = references[0].pixels().iter().map(|p| f64::from(p.0.element_sum()) / 3.0);
-        let mean = values.sum::<f64>() / references[0].pixels().len() as f64;
-        Ok((Self { scene, snapshot, settings, spp, references, mean }, rays))
+        let reference = |seed| Ok::<_, LabError>(Reference { seed, image: reflection(&rendered(&tracer, &settings, spp, seed)?) });
+        let (references, fresh) = ([Reference { seed: 0, image: reflection(&frame) }, reference(1)?], [reference(2)?, reference(3)?]);
+        let values = references[0].image.pixels().iter().map(|p| f64::from(p.0.element_sum()) / 3.0);
+        let mean = values.sum::<f64>() / references[0].image.pixels().len() as f64;
+        Ok((Self { scene, snapshot, settings, spp, references, fresh, mean }, rays))
     }
 
     fn kept(&self, culling: Culling) -> Vec<bool> {
@@ -97,62 +96,40 @@ impl Subject {
         culling.kept(&self.scene, &self.snapshot, &self.snapshot.cameras[0], aspect)
     }
 
-    fn trial(&self, culling: Culling) -> Result<Trial, LabError> {
+    fn trial(&self, culling: Culling, references: &[Reference; 2]) -> Result<Trial, LabError> {
         let kept = self.kept(culling);
         let removed = kept.iter().filter(|kept| !**kept).count() as f64 / kept.len() as f64;
         let tracer = Tracer::new(&self.scene, self.snapshot.clone())?.with_culling(culling, &self.settings)?;
-        let [first, second] = [0, 1].map(|seed| rendered(&tracer, &self.settings, self.spp, seed).map(|frame| reflection(&frame)));
+        let [first, second] =
+            references.each_ref().map(|r| rendered(&tracer, &self.settings, self.spp, r.seed).map(|frame| reflection(&frame)));
         let images = [first?, second?];
-        let error = mse(&images, &self.references).max(0.0).sqrt() / self.mean;
+        let error = mse([&images[0], &images[1]], references.each_ref().map(|r| &r.image)).max(0.0).sqrt() / self.mean;
         let [image, _] = images;
         Ok(Trial { culling, removed, error, image })
     }
 
-    /// The trials of a way: from coarse to fine until the error is small enough, then by halves of the last step, in the order of what is left out.
+    /// The trials of a way, in the order of what is left out.
     fn trials(&self, way: &Way) -> Result<Vec<Trial>, LabError> {
         let mut out: Vec<Trial> = Vec::new();
-        let mut limit = way.coarsest;
-        for _ in 0..STEPS {
-            let trial = self.trial((way.make)(limit))?;
-            let enough = trial.error < ALLOWED || trial.removed == 0.0;
+        search(way.coarsest, way.factor, |limit| {
+            let trial = self.trial((way.make)(limit), &self.references)?;
+            let is_good = trial.error < ALLOWED;
             out.push(trial);
-            if enough {
-                break;
-            }
-            limit *= way.factor;
-        }
-        let (mut bad, mut good) = (limit / way.factor, limit);
-        for _ in 0..HALVES {
-            let middle = (bad * good).sqrt();
-            let trial = self.trial((way.make)(middle))?;
-            *(if trial.error < ALLOWED { &mut good } else { &mut bad }) = middle;
-            out.push(trial);
-        }
+            Ok::<_, LabError>(is_good)
+        })?;
         out.sort_by(|a, b| b.removed.total_cmp(&a.removed));
         Ok(out)
     }
 
-    /// Nodes visited by a ray on average, and rays per second, millions, through the structure of what is kept.
-    fn traced(&self, culling: Culling, rays: &[Ray]) -> Result<(f64, f64), LabError> {
-        let failed = |e: kajo_bvh::BvhError| LabError::NotMeasured { reason: e.to_string() };
-        let blas = |mesh: &Arc<kajo_scene::Mesh>| Ok(Arc::new(Blas::build(&mesh.positions, &mesh.indices, &BuildOptions::default())?));
-        let blases = self.snapshot.meshes.iter().map(blas).collect::<Result<Vec<_>, _>>().map_err(failed)?;
-        let kept = self.kept(culling);
-        let instances = self.snapshot.instances.iter().zip(&kept).filter(|(_, kept)| **kept);
-        let placed = instances.map(|(instance, _)| BvhInstance::new(instance.mesh, instance.world_from_object)).collect();
-        let tlas = Tlas::build(blases, placed).map_err(failed)?;
-        let mut counters = Counters::default();
-        for ray in rays {
-            tlas.closest_hit_counted(ray, RayFilter::ALL, |_| true, &mut counters);
+    /// The trial that leaves out most with an error that is allowed, also by seeds that had no part in its choice, by which it is told.
+    fn best(&self, trials: &[Trial]) -> Result<Option<Trial>, LabError> {
+        for chosen in trials.iter().filter(|trial| trial.error < ALLOWED) {
+            let again = self.trial(chosen.culling, &self.fresh)?;
+            if again.error < ALLOWED {
+                return Ok(Some(again));
+            }
         }
-        let round = || {
-            let begin = ThreadTime::now();
-            let hits = rays.iter().filter(|ray| tlas.closest_hit_opaque(ray, RayFilter::ALL).is_some()).count();
-            std::hint::black_box(hits);
-            begin.elapsed().as_secs_f64()
-        };
-        let best = (0..ROUNDS).map(|_| round()).fold(f64::INFINITY, f64::min);
-        Ok((counters.nodes as f64 / rays.len() as f64, rays.len() as f64 / best / 1e6))
+        Ok(None)
     }
 }
 
@@ -163,7 +140,7 @@ fn rendered(tracer: &Tracer, settings: &Settings, spp: u32, seed: u64) -> Result
 
 /// Mean squared error that the noise of few samples does not raise: the product of the errors of two seeds, whose noise is independent, so that the mean of
 /// the product is the square of the mean. May come out below zero where there is none.
-fn mse(images: &[Image<LinearRgb>; 2], references: &[Image<LinearRgb>; 2]) -> f64 {
+fn mse(images: [&Image<LinearRgb>; 2], references: [&Image<LinearRgb>; 2]) -> f64 {
     let error = |seed: usize, i: usize| images[seed].pixels()[i] - references[seed].pixels()[i];
     let count = images[0].pixels().len();
     (0..count).map(|i| f64::from((error(0, i).0 * error(1, i).0).element_sum()) / 3.0).sum::<f64>() / count as f64
@@ -173,45 +150,53 @@ fn reflection(frame: &Frame) -> Image<LinearRgb> {
     frame.image(&Aov::SpecularIndirect.to_string()).expect("an image that was asked for").pixels.to_color()
 }
 
-/// Rays that leave what is seen: one in the mirror direction, and [`SPREAD`] about the normal by the cosine.
-fn secondary_rays(frame: &Frame, eye: Vec3) -> Vec<Ray> {
-    let image = |aov: Aov| &frame.image(&aov.to_string()).expect("an image that was asked for").pixels;
-    let (position, normal, coverage) = (image(Aov::Position), image(Aov::ShadingNormal), image(Aov::Coverage));
-    let seen = |&(x, y): &(u32, u32)| match coverage {
-        Pixels::Scalar(image) => *image.get(x, y) > 0.5,
-        Pixels::Color(_) | Pixels::Vector(_) => false,
-    };
-    let pixels = (0..frame.size.y).flat_map(|y| (0..frame.size.x).map(move |x| (x, y))).filter(seen);
-    let rays = |(x, y): (u32, u32)| {
-        let (p, n) = (position.get(x, y), normal.get(x, y).normalize_or_zero());
-        let origin = p + n * 1e-3 * p.distance(eye).max(1.0);
-        let (tangent, bitangent) = n.any_orthonormal_pair();
-        let turn = (x + frame.size.x * y) as f32 * GOLDEN_ANGLE;
-        let spread = move |k: u8| {
-            let (share, angle) = ((f32::from(k) + 0.5) / f32::from(SPREAD), turn + f32::from(k) * TAU / f32::from(SPREAD));
-            (tangent * angle.cos() + bitangent * angle.sin()) * share.sqrt() + n * (1.0 - share).sqrt()
-        };
-        let directions = std::iter::once((p - eye).normalize_or_zero().reflect(n)).chain((0..SPREAD).map(spread));
-        directions.map(move |direction| Ray::new(origin, direction))
-    };
-    pixels.flat_map(rays).collect()
-}
-
 fn run(bench: &Bench) -> Result<Findings, LabError> {
     bench.at("all instances", 0.0)?;
-    let (subject, rays) = Subject::new(bench)?;
-    let (nodes, speed) = subject.traced(Culling::Off, &rays)?;
+    let (subject, kinds) = Subject::new(bench)?;
+    let work = |culling: Culling| {
+        let kept = subject.kept(culling);
+        let [mirror, about] = kinds.each_ref().map(|kind| Work::of(&kind.rays, &subject.snapshot, &kept));
+        Ok::<_, LabError>([mirror?, about?])
+    };
+    let all = work(Culling::Off)?;
     let mut out = Findings::default();
-    let columns = ["way", "threshold", "left out, %", "error of the reflection, %", "nodes a ray", "of all, %", "Mrays/s", "of all, %"];
+    let columns = ["way", "threshold", "left out, %", "error of the reflection, %"];
     let mut table = Table::new("culling", "The most that each way leaves out with an error below one per cent.", &columns);
+    let columns = [
+        "way",
+        "rays",
+        "nodes a ray",
+        "instances a ray",
+        "triangles a ray",
+        "tests, % of those with all",
+        "Mrays/s",
+        "of that with all, %",
+    ];
+    let mut cost = Table::new("cost", "What rays cost with what is left.", &columns);
+    let mut tell = |name: &str, works: &[Work; 2]| {
+        for ((kind, work), all) in kinds.iter().zip(works).zip(&all) {
+            let percent = |share: f64| (100.0 * share).into();
+            cost.row([
+                name.into(),
+                kind.name.into(),
+                work.nodes.into(),
+                work.instances.into(),
+                work.triangles.into(),
+                percent(work.total() / all.total()),
+                work.speed.into(),
+                percent(work.speed / all.speed),
+            ]);
+        }
+    };
+    tell("all instances", &all);
     let mut series = Vec::new();
-    // Of the way that leaves out most: share, nodes a ray, and what it is.
-    let mut most: Option<(f64, f64, String)> = None;
+    // Of the way that leaves out most: share, work, and what it is.
+    let mut most: Option<(f64, [Work; 2], String)> = None;
     let show = |image: &Image<LinearRgb>| tone_map(image, 1.0, ToneMap::Linear);
     out.pictures.push(Picture {
         name: "all".into(),
         caption: "The reflection with all instances.".into(),
-        image: show(&subject.references[0]),
+        image: show(&subject.references[0].image),
     });
     for (number, way) in WAYS.iter().enumerate() {
         bench.at(way.name, (1.0 + number as f64) / (1.0 + WAYS.len() as f64))?;
@@ -220,56 +205,44 @@ fn run(bench: &Bench) -> Result<Findings, LabError> {
             name: way.name.into(),
             points: trials.iter().map(|trial| [100.0 * trial.removed, 100.0 * trial.error]).collect(),
         });
-        let Some(best) = trials.iter().find(|trial| trial.error < ALLOWED) else {
+        let Some(best) = subject.best(&trials)? else {
             out.claim("Some instances can be left out unseen.", false, format!("no threshold of {} tried stays below 1 %", way.name));
             continue;
         };
-        let (fewer, faster) = subject.traced(best.culling, &rays)?;
+        let works = work(best.culling)?;
+        tell(way.name, &works);
         if most.as_ref().is_none_or(|(removed, ..)| best.removed > *removed) {
-            most = Some((best.removed, fewer, best.culling.to_string()));
+            most = Some((best.removed, works, best.culling.to_string()));
         }
         let text = best.culling.to_string();
         let threshold = text.split(':').next_back().unwrap_or(&text);
-        let percent = |share: f64| (100.0 * share).into();
-        table.row([
-            way.name.into(),
-            threshold.into(),
-            percent(best.removed),
-            percent(best.error),
-            fewer.into(),
-            percent(fewer / nodes),
-            faster.into(),
-            percent(faster / speed),
-        ]);
+        table.row([way.name.into(), threshold.into(), (100.0 * best.removed).into(), (100.0 * best.error).into()]);
         if way.name == "solid angle" {
+            solid_angle(&mut out, &subject, &trials, &best);
+            let entered = [works, all].map(|kinds| kinds.map(|work| work.instances));
+            let tests: Vec<f64> = works.iter().zip(&all).map(|(work, all)| 100.0 * work.total() / all.total()).collect();
             let measured = format!(
-                "{:.1} % of {} instances left out by {text}: error {:.2} %",
-                100.0 * best.removed,
-                subject.snapshot.instances.len(),
-                100.0 * best.error
+                "{:.4} instances entered a mirror ray instead of {:.4}, {:.4} instead of {:.4} about the normal; {:.1} and {:.1} % of the tests",
+                entered[0][0], entered[1][0], entered[0][1], entered[1][1], tests[0], tests[1]
             );
-            out.claim(
-                "Three instances in ten and more can be left out by solid angle with an error below one per cent.",
-                best.removed >= WANTED && best.error < ALLOWED,
-                measured,
-            );
-            let caption = format!("The reflection with {text}.");
-            out.pictures.push(Picture { name: "solid-angle".into(), caption, image: show(&best.image) });
-            let coarse = &trials[0];
-            let caption = format!("The same with {}: too much is missing.", coarse.culling);
-            out.pictures.push(Picture { name: "solid-angle-coarse".into(), caption, image: show(&coarse.image) });
-            out.claim(
-                "Leaving out too much shows.",
-                coarse.error > ALLOWED && coarse.removed > best.removed,
-                format!("{:.1} %", 100.0 * coarse.error),
-            );
+            let holds = entered[0].iter().zip(entered[1]).all(|(now, before)| *now > 0.98 * before);
+            out.claim("What can be left out by solid angle unseen, rays hardly met: they enter as many instances.", holds, measured);
         }
     }
-    if let Some((removed, fewer, culling)) = most {
-        let measured = format!("{fewer:.2} nodes a ray instead of {nodes:.2}, with {culling} and {:.1} % left out", 100.0 * removed);
-        out.claim("Rays visit fewer nodes by the way that leaves out most.", fewer < 0.95 * nodes, measured);
+    if let Some((removed, works, culling)) = most {
+        let [fewer, before] = [works, all].map(|[mirror, about]| [mirror.nodes, about.nodes]);
+        let measured = format!(
+            "{:.2} nodes a mirror ray instead of {:.2}, {:.2} instead of {:.2} about the normal, with {culling} and {:.1} % left out",
+            fewer[0],
+            before[0],
+            fewer[1],
+            before[1],
+            100.0 * removed
+        );
+        let holds = fewer.iter().zip(before).all(|(fewer, before)| *fewer < 0.95 * before);
+        out.claim("Rays visit fewer nodes by the way that leaves out most.", holds, measured);
     }
-    out.tables.push(table);
+    out.tables.extend([table, cost]);
     out.plots.push(Plot {
         name: "culling".into(),
         caption: "Error of the reflection over the share of instances that are left out.".into(),
@@ -278,6 +251,27 @@ fn run(bench: &Bench) -> Result<Findings, LabError> {
         series,
     });
     Ok(out)
+}
+
+/// What is claimed of culling by solid angle, and pictures of it.
+fn solid_angle(out: &mut Findings, subject: &Subject, trials: &[Trial], best: &Trial) {
+    let show = |image: &Image<LinearRgb>| tone_map(image, 1.0, ToneMap::Linear);
+    let text = best.culling.to_string();
+    let count = subject.snapshot.instances.len();
+    let measured =
+        format!("{:.1} % of {count} instances left out by {text}: error {:.2} % by fresh seeds", 100.0 * best.removed, 100.0 * best.error);
+    out.claim(
+        "Three instances in ten and more can be left out by solid angle with an error below one per cent.",
+        best.removed >= WANTED && best.error < ALLOWED,
+        measured,
+    );
+    let caption = format!("The reflection with {text}.");
+    out.pictures.push(Picture { name: "solid-angle".into(), caption, image: show(&best.image) });
+    let coarse = &trials[0];
+    let caption = format!("The same with {}: too much is missing.", coarse.culling);
+    out.pictures.push(Picture { name: "solid-angle-coarse".into(), caption, image: show(&coarse.image) });
+    let shows = coarse.error > ALLOWED && coarse.removed > best.removed;
+    out.claim("Leaving out too much shows.", shows, format!("{:.1} %", 100.0 * coarse.error));
 }
 
 #[cfg(test)]
@@ -296,7 +290,7 @@ mod tests {
         };
         let references = [noise(1), noise(2)];
         let with = |salt: u32, bias: f32| noise(salt).map(|p| *p + LinearRgb::splat(bias));
-        let error = |bias: f32| mse(&[with(3, bias), with(4, bias)], &references);
+        let error = |bias: f32| mse([&with(3, bias), &with(4, bias)], references.each_ref());
         assert!(error(0.0).abs() < 0.005, "{}", error(0.0));
         assert!((error(0.3) - 0.09).abs() < 0.02, "{}", error(0.3));
     }

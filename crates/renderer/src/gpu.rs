@@ -39,12 +39,14 @@ pub(crate) struct GpuInstance {
     pub first_index: u32,
     pub material: u32,
     pub flags: u32,
-    pub padding_a: u32,
+    pub light: u32,
     pub padding_b: u32,
     pub padding_c: u32,
 }
 
 impl GpuInstance {
+    /// An instance that emits nothing.
+    pub const NO_LIGHT: u32 = u32::MAX;
     /// The transform turns the winding round.
     pub const MIRRORED: u32 = 1;
     /// The mesh has tangents.

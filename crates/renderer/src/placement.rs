@@ -3,8 +3,8 @@
 //! A draw is left out of the passes that the camera looks through when all corners of its box lie beyond one plane of the frustum. It stays in the lists
 //! that shadows are cast from and in the scene that rays are traced through: what is out of view still darkens and reflects.
 
-use glam::{DVec3, Vec3};
-use kajo_scene::{Instance, Snapshot};
+use glam::{DVec3, UVec2, Vec3};
+use kajo_scene::{Instance, PlacedCamera, Snapshot};
 use kajo_techniques::{Coverage, Draw, View};
 
 /// Boxes around meshes, in object space, and around all that is placed.
@@ -29,6 +29,14 @@ impl Boxes {
         }
         let placed = world[0].is_finite() && world[1].is_finite();
         Self { meshes, world: if placed { world } else { [Vec3::splat(-0.5), Vec3::splat(0.5)] } }
+    }
+
+    /// A camera that sees to the farthest of them.
+    pub fn view(&self, camera: &PlacedCamera, size: UVec2) -> View {
+        let eye = camera.world_from_view.w_axis.truncate();
+        let [low, high] = self.world;
+        let far = (low - eye).abs().max((high - eye).abs()).length() * 1.001;
+        View::new(camera, size, far)
     }
 
     /// For each instance, whether any of it may be in the view.

@@ -1,30 +1,20 @@
 //! A scene on the device, and its frames.
 
 use crate::effects::{Effects, Insight, Made};
-use crate::gpu::GpuFrame;
 use crate::output::FrameOutput;
 use crate::passes::{
     Setup, background::Background, direct::Direct, forward::Forward, gbuffer::GBuffer, gbuffer::TARGETS, lit::Lit, picture::Picture,
 };
 use crate::placement::Boxes;
 use crate::settings::{FrameSettings, RendererSettings, RoleSelection};
-use crate::upload::environment::EnvironmentMap;
-use crate::upload::geometry::Geometry;
-use crate::upload::lights::Lights;
-use crate::upload::materials;
-use crate::upload::tables::ModelTables;
-use crate::upload::textures::Textures;
-use crate::upload::trace::TraceScene;
+use crate::upload::scene::{Seen, UploadedScene};
 use crate::{Error, ignored, motion, nothing_moves, read};
-use glam::{Mat4, UVec2, Vec3};
-use kajo_bsdf::models::ModelEntry;
+use glam::UVec2;
 use kajo_image::Image;
-use kajo_render_graph::wgpu::{self, BufferUsages};
-use kajo_render_graph::{Bindings, Buffer, Device, Graph, Pool, Slot, Timings, slot};
+use kajo_render_graph::wgpu;
+use kajo_render_graph::{Device, Graph, Pool, Slot, Timings, slot};
 use kajo_sampling::halton_2d;
-use kajo_scene::{Environment, Ignored, PlacedCamera, Scene, Snapshot};
-use kajo_shader_lib::BSDF_TABLES;
-use kajo_techniques::shaders::Variant;
+use kajo_scene::{Ignored, PlacedCamera, Scene, Snapshot};
 use kajo_techniques::{FrameContext, MakeContext, Role, TraceBackend, View};
 use kajo_units::LinearRgb;
 
@@ -33,26 +23,15 @@ pub struct Renderer {
     device: Device,
     settings: RendererSettings,
     scene: Scene,
-    backend: TraceBackend,
-    /// Reflectance models of its materials.
-    models: Vec<&'static ModelEntry>,
+    uploaded: UploadedScene,
     current: Snapshot,
     previous: Snapshot,
     boxes: Boxes,
-    geometry: Geometry,
-    textures: Textures,
-    materials: Buffer,
-    lights: Lights,
     /// Lights whose visibility is read back.
     watched: Vec<usize>,
-    model_tables: ModelTables,
-    bsdf_tables: Buffer,
-    frame: Buffer,
-    trace: TraceScene,
     /// Instances that rays meet.
     kept: Vec<bool>,
     gbuffer: GBuffer,
-    environment: EnvironmentMap,
     background: Background,
     direct: Direct,
     lit: Lit,
@@ -64,12 +43,6 @@ pub struct Renderer {
     last_index: Option<u32>,
     /// Nothing moved since the frame before.
     still: bool,
-}
-
-/// The reflectance models that materials name, each once.
-fn models_of(scene: &Scene) -> Vec<&'static ModelEntry> {
-    let named = |entry: &&ModelEntry| scene.materials.iter().filter_map(|m| m.model.as_ref()).any(|model| model.entry.id == entry.id);
-    kajo_bsdf::models::all().filter(named).collect()
 }
 
 /// Instances that rays meet, as the camera is placed in the snapshot.
@@ -101,47 +74,26 @@ impl Renderer {
         if settings.camera >= snapshot.cameras.len() {
             return Err(Error::NoSuchCamera { got: settings.camera, count: snapshot.cameras.len() });
         }
-        let backend = settings.backend.unwrap_or_else(|| TraceBackend::best(device));
-        if backend == TraceBackend::RayQuery && !device.has_ray_query() {
-            return Err(Error::NoRayQuery { adapter: device.info().name.clone() });
-        }
-        let limit = device.info().max_bindless_textures as usize;
-        let bindless = settings.bindless && limit > 0 && scene.textures.len() <= limit;
-        let textures = Textures::new(device, scene, bindless)?;
-        let geometry = Geometry::new(device, snapshot, snapshot, scene)?;
         let kept = kept_for_rays(scene, snapshot, &settings);
-        let trace = TraceScene::new(device, backend, snapshot, &geometry, &kept, None)?;
-        let models = models_of(scene);
-        let (model_tables, tables) = ModelTables::new(scene);
-        let setup = Setup { device, variant: Variant { backend, bindless, models: &models }, textures: textures.count() };
+        let uploaded = UploadedScene::new(device, scene, snapshot, &kept, (settings.backend, settings.bindless))?;
+        let setup = Setup { device, variant: uploaded.variant(), textures: uploaded.textures.count() };
         let blendable = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
-        let lights = Lights::new(device, scene, snapshot, None)?;
-        let pool = pool(&settings, lights.list.len());
+        let lights = uploaded.lights.list.len();
         let out = Self {
             settings,
-            backend,
-            models: models.clone(),
             boxes: Boxes::new(snapshot),
-            materials: device.buffer_with("materials", &materials::pack_all(scene, &model_tables), BufferUsages::STORAGE)?,
-            watched: (0..lights.list.len()).collect(),
-            lights,
-            bsdf_tables: device.buffer_with(BSDF_TABLES, tables.numbers(), BufferUsages::STORAGE)?,
-            model_tables,
-            frame: device.buffer("frame", size_of::<GpuFrame>() as u64, BufferUsages::UNIFORM | BufferUsages::COPY_DST)?,
+            watched: (0..lights).collect(),
             gbuffer: GBuffer::new(setup)?,
-            environment: EnvironmentMap::new(device, scene.environment.as_ref())?,
             background: Background::new(setup)?,
             direct: Direct::new(setup, settings.light_samples)?,
             lit: Lit::new(setup)?,
             picture: Picture::new(setup)?,
             forward: if blendable { Some(Forward::new(setup, settings.light_samples)?) } else { None },
             effects: Vec::new(),
-            pool,
+            pool: pool(&settings, lights),
             last_index: None,
             still: true,
-            geometry,
-            textures,
-            trace,
+            uploaded,
             kept,
             current: snapshot.clone(),
             previous: snapshot.clone(),
@@ -161,14 +113,10 @@ impl Renderer {
         if self.settings.camera >= current.cameras.len() {
             return Err(Error::NoSuchCamera { got: self.settings.camera, count: current.cameras.len() });
         }
-        if !self.geometry.holds(current, previous) {
-            self.geometry = Geometry::new(&self.device, current, previous, &self.scene)?;
-        }
         self.kept = kept_for_rays(&self.scene, current, &self.settings);
-        self.trace = TraceScene::new(&self.device, self.backend, current, &self.geometry, &self.kept, Some(&self.trace))?;
-        let all = self.watched.len() == self.lights.list.len();
-        self.lights = Lights::new(&self.device, &self.scene, current, Some(&self.lights))?;
-        let count = self.lights.list.len();
+        let all = self.watched.len() == self.uploaded.lights.list.len();
+        self.uploaded.update(&self.device, &self.scene, current, previous, &self.kept)?;
+        let count = self.uploaded.lights.list.len();
         self.watched = if all { (0..count).collect() } else { self.watched.iter().copied().filter(|&light| light < count).collect() };
         self.boxes = Boxes::new(current);
         self.still = nothing_moves(&self.current, current) && nothing_moves(current, previous);
@@ -187,7 +135,7 @@ impl Renderer {
         self.device.check_size(size)?;
         if size != self.settings.size {
             self.settings.size = size;
-            self.pool = pool(&self.settings, self.lights.list.len());
+            self.pool = pool(&self.settings, self.uploaded.lights.list.len());
             self.last_index = None;
             self.keep_for_rays()?;
         }
@@ -198,7 +146,7 @@ impl Renderer {
     fn keep_for_rays(&mut self) -> Result<(), Error> {
         let kept = kept_for_rays(&self.scene, &self.current, &self.settings);
         if kept != self.kept {
-            self.trace = TraceScene::new(&self.device, self.backend, &self.current, &self.geometry, &kept, Some(&self.trace))?;
+            self.uploaded.keep_for_rays(&self.device, &self.current, &kept)?;
             self.kept = kept;
         }
         Ok(())
@@ -221,29 +169,29 @@ impl Renderer {
 
     /// What this renderer does not simulate in this scene.
     pub fn ignored(&self) -> Vec<Ignored> {
-        ignored::find(&self.scene, &self.current, &self.model_tables, self.settings.camera, self.forward.is_some())
+        ignored::find(&self.scene, &self.current, &self.uploaded.model_tables, self.settings.camera, self.forward.is_some())
     }
 
     /// Names of the lights, as the path tracer has them: analytic ones, then emissive meshes, each in the snapshot's order.
     pub fn light_names(&self) -> &[String] {
-        &self.lights.names
+        &self.uploaded.lights.names
     }
 
     /// Reads back the visibility of these lights only, by index, in ascending order; at first it is every light.
     pub fn watch(&mut self, lights: &[usize]) {
-        self.watched = lights.iter().copied().filter(|&light| light < self.lights.list.len()).collect();
+        self.watched = lights.iter().copied().filter(|&light| light < self.uploaded.lights.list.len()).collect();
         self.watched.sort_unstable();
     }
 
     /// Who traces rays.
     pub fn backend(&self) -> TraceBackend {
-        self.backend
+        self.uploaded.backend
     }
 
     /// Length of the list of textures that shaders choose from.
     #[cfg(test)]
     pub(crate) fn texture_count(&self) -> u32 {
-        self.textures.count()
+        self.uploaded.textures.count()
     }
 
     /// The camera of a frame whose technique of the role anti-alias does not choose where pixels are sampled.
@@ -267,7 +215,9 @@ impl Renderer {
         made.anti_alias.beside = Some(roles.clone());
         let jitter = settings.jitter + made.anti_alias.effect.jitter(settings.index);
         let view = self.view_of(&self.current).jittered(jitter);
-        self.upload_frame(&view, settings);
+        let before = Seen { snapshot: &self.previous, view: self.view_of(&self.previous) };
+        let now = Seen { snapshot: &self.current, view };
+        self.uploaded.place(&self.device, &self.scene, &now, &before, settings.index, settings.environment_light);
         let rendered = self.run(&view, settings, &mut made);
         self.effects.extend(made.into_all());
         self.still = still;
@@ -324,9 +274,7 @@ impl Renderer {
     /// The scene has not been moved since the last frame.
     fn rest(&mut self) -> Result<(), Error> {
         self.still = true;
-        if !self.geometry.holds(&self.current, &self.current) {
-            self.geometry = Geometry::new(&self.device, &self.current, &self.current, &self.scene)?;
-        }
+        self.uploaded.hold(&self.device, &self.scene, &self.current, &self.current)?;
         self.previous = self.current.clone();
         Ok(())
     }
@@ -338,7 +286,7 @@ impl Renderer {
         let (mut insight, mut timings) = (Insight::default(), Timings::default());
         let Effects { shadow, ambient, diffuse, specular, anti_alias, tone } = made;
 
-        let seen = if settings.culling { self.boxes.seen(&self.current, view) } else { vec![true; self.geometry.draws.len()] };
+        let seen = if settings.culling { self.boxes.seen(&self.current, view) } else { vec![true; self.uploaded.geometry.draws.len()] };
         let all = self.context(view, settings, 0, 0);
         let mut graph = Graph::new();
         self.gbuffer.record(&all, &seen, &mut graph);
@@ -354,8 +302,8 @@ impl Renderer {
         ambient.tell(&around, &mut insight)?;
 
         let group = pool.lights() as usize;
-        for start in (0..self.lights.list.len()).step_by(group) {
-            let count = group.min(self.lights.list.len() - start);
+        for start in (0..self.uploaded.lights.list.len()).step_by(group) {
+            let count = group.min(self.uploaded.lights.list.len() - start);
             let frame = FrameContext { device: &shadow.device.clone(), ..self.context(view, settings, start, count) };
             timings.merge(&shadow.prepare(&frame, &pool)?);
             self.direct.prepare(&frame, specular.effect.mirrors_up_to());
@@ -388,7 +336,7 @@ impl Renderer {
         let mirrored = FrameContext { device: &specular.device.clone(), ..self.context(view, settings, 0, 0) };
         let resolving = FrameContext { device: &anti_alias.device.clone(), ..self.context(view, settings, 0, 0) };
         let last = FrameContext { device: &tone.device.clone(), ..self.context(view, settings, 0, 0) };
-        let order = self.boxes.far_to_near(&self.current, &self.geometry.draws, &seen, view);
+        let order = self.boxes.far_to_near(&self.current, &self.uploaded.geometry.draws, &seen, view);
         timings.merge(&specular.prepare(&mirrored, &pool)?);
         timings.merge(&anti_alias.prepare(&resolving, &pool)?);
         timings.merge(&tone.prepare(&last, &pool)?);
@@ -418,7 +366,7 @@ impl Renderer {
             technique_rays,
             draws: seen.iter().filter(|seen| **seen).count() as u32,
             culled_draws: seen.iter().filter(|seen| !**seen).count() as u32,
-            shaded_pixels: if self.lights.list.is_empty() { 0 } else { self.direct.shaded(&device)? },
+            shaded_pixels: if self.uploaded.lights.list.is_empty() { 0 } else { self.direct.shaded(&device)? },
             statistics: insight.statistics,
             debug: insight.debug,
             ignored: self.ignored().into_iter().chain(made.notes()).collect(),
@@ -437,68 +385,26 @@ impl Renderer {
             return Ok(self.effects.swap_remove(index));
         }
         let device = self.device.counting_apart();
-        let variant = Variant { backend: self.backend, bindless: self.textures.is_list(), models: &self.models };
-        let context = MakeContext { device: &device, variant, textures: self.textures.count() };
+        let context = MakeContext { device: &device, variant: self.uploaded.variant(), textures: self.uploaded.textures.count() };
         Made::new(choice, device.clone(), &context)
     }
 
     fn view_of(&self, snapshot: &Snapshot) -> View {
         let camera = &snapshot.cameras[self.settings.camera.min(snapshot.cameras.len() - 1)];
-        let eye = camera.world_from_view.w_axis.truncate();
-        let [low, high] = self.boxes.world;
-        let far = (low - eye).abs().max((high - eye).abs()).length() * 1.001;
-        View::new(camera, self.settings.size, far)
-    }
-
-    /// Uploads camera, instances and lights.
-    fn upload_frame(&self, view: &View, settings: &FrameSettings) {
-        let device = &self.device;
-        let previous = self.view_of(&self.previous);
-        let environment = self.scene.environment.as_ref();
-        let clip_from_relative = view.jittered_clip_from_relative();
-        let frame = GpuFrame {
-            clip_from_relative: clip_from_relative.to_cols_array_2d(),
-            relative_from_clip: inverse(clip_from_relative).to_cols_array_2d(),
-            previous_clip_from_relative: previous.clip_from_relative().to_cols_array_2d(),
-            camera_position: view.position.to_array(),
-            index: settings.index,
-            previous_camera_position: previous.position.to_array(),
-            light_count: self.lights.list.len() as u32,
-            forward: view.relative_from_view.transform_vector3(Vec3::NEG_Z).to_array(),
-            near: view.near,
-            jitter: view.jitter.to_array(),
-            size: view.size.to_array(),
-            environment_scale: environment.map_or(LinearRgb::BLACK, |e: &Environment| e.scale).0.to_array(),
-            environment_rotation: environment.map_or(0.0, |e| e.rotation.0),
-            perspective: u32::from(view.perspective),
-            environment_image: u32::from(environment.is_some_and(|e| e.image.is_some())),
-            depth_range: view.depth_range(),
-            environment_light: u32::from(settings.environment_light),
-        };
-        self.frame.write(&device.queue, bytemuck::bytes_of(&frame));
-        self.geometry.place(device, &self.scene, &self.current, &self.previous, view.position, previous.position);
-        self.lights.place(device, view.position);
+        self.boxes.view(camera, self.settings.size)
     }
 
     /// What techniques are given for the lights `start..start + count`.
     pub(crate) fn context(&self, view: &View, settings: &FrameSettings, start: usize, count: usize) -> FrameContext<'_> {
-        let shared = Bindings::new()
-            .with("frame", &self.frame)
-            .with("instances", &self.geometry.instances)
-            .with("positions", &self.geometry.positions)
-            .with("attributes", &self.geometry.attributes)
-            .with("indices", &self.geometry.indices)
-            .with("materials", &self.materials)
-            .with(BSDF_TABLES, &self.bsdf_tables);
         FrameContext {
             device: &self.device,
             view: *view,
             index: settings.index,
             still: self.still,
-            lights: &self.lights.list[start..start + count],
+            lights: &self.uploaded.lights.list[start..start + count],
             first_light: start as u32,
-            draws: &self.geometry.draws,
-            indices: &self.geometry.indices.wgpu,
+            draws: &self.uploaded.geometry.draws,
+            indices: &self.uploaded.geometry.indices.wgpu,
             scene: &self.scene,
             snapshot: &self.current,
             bounds: self.boxes.world,
@@ -506,7 +412,7 @@ impl Renderer {
             environment_light: settings.environment_light,
             debug: settings.debug,
             exposure: settings.exposure.or(self.scene.exposure).unwrap_or(0.0),
-            shared: self.trace.bind(self.textures.bind(self.lights.bind(self.environment.bind(shared)))),
+            shared: self.uploaded.bind(),
         }
     }
 }
@@ -516,9 +422,4 @@ fn pool(settings: &RendererSettings, lights: usize) -> Pool {
     let layer = u64::from(settings.size.x) * u64::from(settings.size.y) * 4;
     let layers = (settings.light_memory / layer).clamp(1, lights.clamp(1, 64) as u64) as u32;
     Pool::new(settings.size, layers)
-}
-
-/// Inverted in double precision: an infinite far plane makes the numbers of the matrix uneven.
-fn inverse(m: Mat4) -> Mat4 {
-    m.as_dmat4().inverse().as_mat4()
 }

@@ -8,6 +8,7 @@ pub(crate) mod lit;
 pub(crate) mod picture;
 
 use kajo_render_graph::{Device, Shader, wgpu};
+use kajo_shader_lib::SourceFile;
 use kajo_techniques::shaders::{self, Variant};
 
 /// What a pipeline of this crate depends on.
@@ -20,7 +21,12 @@ pub(crate) struct Setup<'a> {
 
 impl Setup<'_> {
     pub fn shader(&self, name: &str, source: &str) -> Result<Shader, kajo_render_graph::Error> {
-        Shader::new(self.device, shaders::link(name, source, self.variant))
+        self.shader_with(name, source, &[])
+    }
+
+    /// The same, where the shader also imports `files`.
+    pub fn shader_with(&self, name: &str, source: &str, files: &[SourceFile]) -> Result<Shader, kajo_render_graph::Error> {
+        Shader::new(self.device, shaders::link_with_files(name, source, files, self.variant))
     }
 }
 

@@ -16,6 +16,7 @@ mod lighting;
 mod map_family;
 mod model_twins;
 mod models;
+mod progressive;
 mod reflections;
 mod scenes;
 mod shadow_volumes;

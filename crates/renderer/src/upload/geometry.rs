@@ -5,6 +5,7 @@
 
 use crate::Error;
 use crate::gpu::{GpuAttributes, GpuInstance};
+use crate::upload::lights::Lights;
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use kajo_render_graph::wgpu::BufferUsages;
 use kajo_render_graph::{Buffer, Device};
@@ -86,7 +87,8 @@ impl Geometry {
     }
 
     /// Uploads the transforms, relative to the camera of now and of one frame ago.
-    pub fn place(&self, device: &Device, scene: &Scene, current: &Snapshot, previous: &Snapshot, camera: Vec3, previous_camera: Vec3) {
+    pub fn place(&self, device: &Device, scene: &Scene, lights: &Lights, now: (&Snapshot, Vec3), before: (&Snapshot, Vec3)) {
+        let ((current, camera), (previous, previous_camera)) = (now, before);
         let place = |(index, instance): (usize, &kajo_scene::Instance)| {
             let range = self.ranges[instance.mesh];
             let mesh = &current.meshes[instance.mesh];
@@ -101,7 +103,7 @@ impl Geometry {
                 first_index: range.first_index,
                 material: material_of(scene, mesh) as u32,
                 flags: if mirrored { GpuInstance::MIRRORED } else { 0 } | if tangents { GpuInstance::HAS_TANGENTS } else { 0 },
-                padding_a: 0,
+                light: lights.place_of(index),
                 padding_b: 0,
                 padding_c: 0,
             }

@@ -1,7 +1,7 @@
 //! Lights as shaders read them: analytic ones, then emissive meshes with the triangles that samplers choose from.
 
 use crate::Error;
-use crate::gpu::GpuLightTriangle;
+use crate::gpu::{GpuInstance, GpuLightTriangle};
 use glam::Vec3;
 use kajo_bvh::{Blas, BuildOptions, Filter, PrimitiveRef, Ray, Tlas};
 use kajo_render_graph::wgpu::BufferUsages;
@@ -81,6 +81,12 @@ impl Lights {
         let meshes = self.meshes.iter().map(|entry| GpuLight { position: entry.light.position - camera, ..entry.light });
         let lights: Vec<GpuLight> = analytic.chain(meshes).collect();
         self.lights.write(&device.queue, bytemuck::cast_slice(&lights));
+    }
+
+    /// Where an instance stands in the list, or [`GpuInstance::NO_LIGHT`].
+    pub fn place_of(&self, instance: usize) -> u32 {
+        let found = self.meshes.binary_search_by_key(&(instance as u32), |entry| entry.light.instance);
+        found.map_or(GpuInstance::NO_LIGHT, |at| (self.list.len() - self.meshes.len() + at) as u32)
     }
 
     pub fn bind<'a>(&'a self, bindings: Bindings<'a>) -> Bindings<'a> {

@@ -4,6 +4,7 @@ pub(crate) mod environment;
 pub(crate) mod geometry;
 pub(crate) mod lights;
 pub(crate) mod materials;
+pub(crate) mod scene;
 pub(crate) mod tables;
 pub(crate) mod textures;
 pub(crate) mod trace;

@@ -12,7 +12,7 @@ pub(super) fn around([low, high]: [Vec3; 2]) -> (Vec3, f32) {
 
 /// Power of each light in the order of the list on the device, W: analytic ones, then emissive meshes. Of directional lights what falls on a disc
 /// of `radius`.
-pub(super) fn light_powers(scene: &Scene, snapshot: &Snapshot, radius: f32) -> Vec<LinearRgb> {
+pub fn light_powers(scene: &Scene, snapshot: &Snapshot, radius: f32) -> Vec<LinearRgb> {
     let analytic = snapshot.lights.iter().map(|placed| {
         let world = &placed.world_from_light;
         let across = |x: f32, y: f32| world.transform_vector3(Vec3::X * x).cross(world.transform_vector3(Vec3::Y * y)).length();

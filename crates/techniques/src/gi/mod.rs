@@ -10,6 +10,8 @@ pub mod ray_traced;
 mod sky;
 pub mod vpl;
 
+pub use light_power::light_powers;
+
 use crate::Technique;
 use kajo_render_graph::{Slot, slot};
 

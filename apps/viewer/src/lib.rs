@@ -36,6 +36,7 @@ mod worker;
 
 pub use error::Error;
 pub use options::Options;
+pub use reference::TracedBy;
 
 /// Shows a scene until the window is closed, or until the script ends.
 ///
@@ -44,6 +45,7 @@ pub use options::Options;
 pub fn run(options: &Options) -> Result<(), Error> {
     let mut app = app::App::new();
     app.model.spp = options.spp;
+    app.model.traced_by = options.traced_by;
     if let Some(reference) = &options.scene {
         app.open(stage::Source { reference: reference.clone(), environment: options.environment.clone() });
     }

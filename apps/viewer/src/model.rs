@@ -5,7 +5,7 @@ use crate::errors;
 use crate::frames::{self, Frames};
 use crate::layout::{Layout, Pane};
 use crate::metering::Metering;
-use crate::reference::{self, Reference};
+use crate::reference::{self, Reference, TracedBy};
 use crate::selection::Selection;
 use crate::show::{Develop, Show, curve};
 use crate::stage::{Moment, Shot, Source, Stage};
@@ -62,6 +62,8 @@ pub(crate) struct Model {
     pub judging: bool,
     /// Samples per pixel that it ends at.
     pub spp: u32,
+    /// Who traces it.
+    pub traced_by: TracedBy,
     /// Messages, oldest first.
     pub notices: Vec<Notice>,
     /// Why no frame can be rendered.
@@ -107,6 +109,7 @@ impl Default for Model {
             frame: 0,
             judging: true,
             spp: 256,
+            traced_by: TracedBy::default(),
             notices: Vec::new(),
             frames_failed: None,
             reference_failed: None,
@@ -221,7 +224,7 @@ impl Model {
     pub fn reference_question(&self) -> Option<reference::Question> {
         let wanted = self.judging || self.layout.shows(Pane::Reference);
         let shot = self.shot().filter(|_| wanted)?;
-        Some(reference::Question { shot, role: self.selection.judged, light: self.selection.light(), spp: self.spp })
+        Some(reference::Question { shot, role: self.selection.judged, light: self.selection.light(), spp: self.spp, by: self.traced_by })
     }
 
     /// The reference, when it is one of what is seen now.
@@ -229,7 +232,8 @@ impl Model {
         let (reference, question) = (self.reference.as_ref()?, self.reference_question()?);
         let same = reference.question.shot == question.shot
             && reference.question.role == question.role
-            && reference.question.light == question.light;
+            && reference.question.light == question.light
+            && reference.question.by == question.by;
         same.then_some(reference)
     }
 

@@ -1,6 +1,7 @@
 //! How the viewer starts.
 
 use crate::Error;
+use crate::reference::TracedBy;
 use crate::script::{Step, parse};
 use glam::UVec2;
 use std::path::PathBuf;
@@ -16,6 +17,8 @@ pub struct Options {
     pub size: UVec2,
     /// Samples per pixel of the reference.
     pub spp: u32,
+    /// Who traces it.
+    pub traced_by: TracedBy,
     /// Steps to carry out instead of a person; the window closes after the last.
     pub script: Option<PathBuf>,
     /// Close after so many frames, and after the first picture.
@@ -33,6 +36,7 @@ impl Default for Options {
             environment: None,
             size: UVec2::new(1280, 720),
             spp: 256,
+            traced_by: TracedBy::default(),
             script: None,
             frames: None,
             screenshot: None,

@@ -1,7 +1,11 @@
 //! The thread that path traces: the judge of the role that is looked at, better with every pass.
 //!
-//! It renders the role's own images and nothing else, at pixel centres, so that the error is one of the same light transport. One core is left to the
-//! window.
+//! It renders the role's own images and nothing else, at pixel centres, so that the error is one of the same light transport. The CPU traces, with one core left to the
+//! window, or the device does where that is wanted and it can: see [`on_device`].
+
+mod on_device;
+
+pub use on_device::TracedBy;
 
 use crate::stage::{Moment, Shot, sentence, serial};
 use crate::worker::{Desk, Wake, Worker};
@@ -11,6 +15,7 @@ use kajo_lab::{Pictured, ReferencePlan, ambient_distance, judged_lights};
 use kajo_path_tracer::{Control, Film, PathTracerError, Progress, Settings, Stop, Tracer, render};
 use kajo_techniques::Role;
 use kajo_units::LinearRgb;
+use on_device::OnDevice;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -25,6 +30,8 @@ pub(crate) struct Question {
     pub light: Pictured,
     /// Samples per pixel to end at.
     pub spp: u32,
+    /// Who traces.
+    pub by: TracedBy,
 }
 
 /// What comes back, again and again.
@@ -57,16 +64,19 @@ pub(crate) struct Reference {
     pub seconds: f64,
     /// Samples that were not finite.
     pub invalid: u64,
+    /// The device traced it, which the question left open or asked for; else why it did not.
+    pub on_device: Result<String, String>,
 }
 
 struct Tools {
     pool: rayon::ThreadPool,
     tracer: Option<(Arc<Moment>, Tracer)>,
+    device: OnDevice,
 }
 
 /// Starts the thread.
 pub(crate) fn start(wake: Wake) -> Worker<Question, Answer> {
-    Worker::new("reference", wake, || Tools { pool: pool(), tracer: None }, answer)
+    Worker::new("reference", wake, || Tools { pool: pool(), tracer: None, device: OnDevice::default() }, answer)
 }
 
 /// All cores but one.
@@ -77,13 +87,18 @@ fn pool() -> rayon::ThreadPool {
 }
 
 fn answer(tools: &mut Tools, question: Question, desk: &Desk<Question, Answer>) {
-    let Tools { pool, tracer } = tools;
-    if let Err(error) = pool.install(|| trace(tracer, &question, desk)) {
+    let Tools { pool, tracer, device } = tools;
+    if let Err(error) = pool.install(|| trace(tracer, device, &question, desk)) {
         desk.answer(Answer::Failed(sentence(&error)));
     }
 }
 
-fn trace(kept: &mut Option<(Arc<Moment>, Tracer)>, question: &Question, desk: &Desk<Question, Answer>) -> Result<(), PathTracerError> {
+fn trace(
+    kept: &mut Option<(Arc<Moment>, Tracer)>,
+    device: &mut OnDevice,
+    question: &Question,
+    desk: &Desk<Question, Answer>,
+) -> Result<(), PathTracerError> {
     let Shot { moment, camera, size } = &question.shot;
     if !kept.as_ref().is_some_and(|(before, _)| before.is(moment)) {
         *kept = None;
@@ -99,9 +114,10 @@ fn trace(kept: &mut Option<(Arc<Moment>, Tracer)>, question: &Question, desk: &D
     let plan = plan.with_picture(question.light);
     let lights = judged_lights(tracer);
     desk.answer(Answer::Lights(lights.clone()));
+    let Err(not_on_device) = device.trace(question, &lights, desk) else { return Ok(()) };
     let base = Settings { size: *size, ambient_distance: ambient_distance(moment.bounds), ..Settings::default() };
     let settings = plan.settings(tracer, &base);
-    let watch = Watch { desk, plan: &plan, tracer, question, lights };
+    let watch = Watch { desk, plan: &plan, tracer, question, lights, not_on_device };
     render(tracer, &settings, Stop::at_spp(question.spp), None, &watch)?;
     Ok(())
 }
@@ -113,6 +129,7 @@ struct Watch<'a> {
     tracer: &'a Tracer,
     question: &'a Question,
     lights: Vec<usize>,
+    not_on_device: String,
 }
 
 impl Control for Watch<'_> {
@@ -133,6 +150,7 @@ impl Control for Watch<'_> {
             spp: frame.spp,
             seconds: frame.seconds,
             invalid: frame.invalid_samples,
+            on_device: Err(self.not_on_device.clone()),
         })));
     }
 }

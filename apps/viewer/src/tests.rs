@@ -141,6 +141,33 @@ fn lights_time_and_cameras_change_both_renderers() {
     run("open builtin:moving\nwait\nlight 0 off\nwait\nexpect quiet\nlight 0 on\nlook 1,2,6 0,1,0\nwait\nexpect error below 0.3\nexpect quiet").unwrap();
 }
 
+/// The device's path tracer judges as the CPU's does: the same RMSE, of the picture and of irradiance, but for noise; what it cannot judge goes to the CPU by itself.
+#[test]
+fn the_reference_is_traced_by_the_device_where_that_is_asked_for() {
+    for (role, technique) in [("anti-alias", "aa/none"), ("diffuse-indirect", "gi/none"), ("specular-indirect", "reflection/none")] {
+        let rmse = |by: &str| {
+            let mut app = App::new();
+            let start = format!(
+                "open builtin:cornell\njudge {role}\ntechnique {technique}\ncoarseness 2\nsamples 64\nreference {by}\nwindow A | reference"
+            );
+            run_with(&mut app, &format!("{start}\nwait\nexpect quiet\nexpect picture\nexpect reference {by}\nexpect error below 5"))
+                .unwrap();
+            match &app.model.errors[0] {
+                Some(Ok(errors)) => (errors.rmse, errors.floor.unwrap()),
+                other => panic!("{other:?}"),
+            }
+        };
+        let ((cpu, floor), (device, other)) = (rmse("cpu"), rmse("gpu"));
+        let expected = |rmse: f64, floor: f64| (rmse * rmse - floor * floor).max(0.0).sqrt();
+        let (a, b) = (expected(cpu, floor), expected(device, other));
+        assert!((a - b).abs() < 0.1 * a + 0.2 * floor.max(other), "{role}: {cpu} ({floor}) and {device} ({other})");
+    }
+    let visibility = "open builtin:cornell\ncoarseness 2\nreference gpu\nwait\nexpect quiet\nexpect reference ";
+    run(&format!("{visibility}cpu")).unwrap();
+    let error = run(&format!("{visibility}gpu")).unwrap_err();
+    assert!(error.contains("the CPU has traced the reference: the images of visibilities"), "{error}");
+}
+
 #[test]
 fn expectations_that_are_not_met_end_the_script_with_its_line() {
     for (line, reason) in [

@@ -10,6 +10,7 @@ use glam::Vec3;
 use kajo_image::ToneMap;
 use kajo_path_tracer::{EnvironmentSampler, Filter, Integrator, LightSampler, Strategy};
 use kajo_scene::Culling;
+use kajo_viewer::TracedBy;
 use std::path::PathBuf;
 use std::time::Duration;
 use values::{angle_of_view, finite, named, point, positive, seconds, whole};
@@ -167,6 +168,9 @@ pub struct ViewCommand {
     /// Samples per pixel of the reference
     #[arg(long, value_name = "N", default_value = "256", allow_negative_numbers = true, value_parser = whole(1..=u32::MAX))]
     pub reference_spp: u32,
+    /// Who traces the reference: gpu where it can, else the CPU; auto takes gpu on adapters that are not software
+    #[arg(long, value_name = "WHO", value_parser = named(&TracedBy::ALL), default_value = "auto")]
+    pub reference: TracedBy,
     /// Carry out the steps of this file instead of a person's, and close; a step that fails ends with exit code 1
     #[arg(long, value_name = "FILE")]
     pub script: Option<PathBuf>,

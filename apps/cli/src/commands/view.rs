@@ -11,6 +11,7 @@ pub fn run(arguments: &ViewCommand) -> Outcome {
         environment: arguments.env.clone(),
         size: arguments.size.0,
         spp: arguments.reference_spp,
+        traced_by: arguments.reference,
         script: arguments.script.clone(),
         frames: arguments.frames,
         screenshot: arguments.screenshot.clone(),

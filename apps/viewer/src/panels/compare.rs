@@ -3,14 +3,20 @@
 use super::table;
 use crate::layout::Pane;
 use crate::model::Model;
+use crate::reference::TracedBy;
 use egui::{DragValue, ProgressBar, RichText, Slider, Ui};
 use kajo_techniques::Role;
 
 pub(crate) fn show(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
-        ui.checkbox(&mut model.judging, "path trace the reference").on_hover_text(
-            "On all cores but one, at pixel centres, only the light that the judged role is about. It starts again when the camera moves.",
-        );
+        ui.checkbox(&mut model.judging, "path trace the reference")
+            .on_hover_text("At pixel centres, only the light that the judged role is about. It starts again when the camera moves.");
+    });
+    ui.horizontal(|ui| {
+        ui.label("by");
+        for (name, by) in TracedBy::ALL {
+            ui.selectable_value(&mut model.traced_by, by, name);
+        }
     });
     ui.horizontal(|ui| {
         ui.label("until");
@@ -30,6 +36,11 @@ pub(crate) fn show(ui: &mut Ui, model: &mut Model) {
     };
     let share = reference.spp as f32 / reference.question.spp.max(1) as f32;
     ui.add(ProgressBar::new(share).text(format!("{} of {} samples, {:.1} s", reference.spp, reference.question.spp, reference.seconds)));
+    let by = match &reference.on_device {
+        Ok(device) => format!("traced by {device}"),
+        Err(reason) => format!("traced by the CPU: {reason}"),
+    };
+    ui.label(RichText::new(by).small().weak());
     if reference.invalid > 0 {
         ui.label(format!("{} samples were not finite", reference.invalid));
     }

@@ -5,6 +5,8 @@
 //! wait                            # until pictures and reference are finished
 //! technique shadow/map:bias=0     # for its role
 //! rival shadow/pcss               # side B
+//! judge diffuse-indirect          # another role
+//! reference gpu                   # who traces it: auto, cpu, gpu
 //! window A | B | reference
 //! expect error below 0.1
 //! screenshot out.png

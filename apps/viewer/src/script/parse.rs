@@ -2,8 +2,10 @@
 
 use crate::Error;
 use crate::layout::{PRESETS, Preset};
-use crate::selection::Choice;
+use crate::reference::TracedBy;
+use crate::selection::{Choice, judged_roles};
 use glam::{UVec2, Vec2, Vec3};
+use kajo_techniques::Role;
 use std::path::PathBuf;
 
 /// One line of a script.
@@ -41,6 +43,10 @@ pub(crate) enum Step {
     Coarseness(u32),
     /// Samples of the reference.
     Samples(u32),
+    /// Who traces the reference.
+    TracedBy(TracedBy),
+    /// Judges another role.
+    Judge(Role),
     /// Stops; `None` lets it follow what is seen.
     Exposure(Option<f32>),
     /// Switches a light on or off, by index.
@@ -59,6 +65,8 @@ pub(crate) enum Step {
     ExpectPicture,
     /// The RMSE of A must be below this.
     ExpectErrorBelow(f64),
+    /// The reference must have been traced by the device, or by the CPU.
+    ExpectTracedBy(TracedBy),
     /// Memory and resources must be as they were at the last `mark`.
     ExpectSteady,
     /// Remembers memory and resources.
@@ -110,6 +118,12 @@ fn step(line: &str) -> Result<Step, String> {
         ("look", [from, at]) => Step::Look(point(from)?, point(at)?),
         ("coarseness", [side]) => Step::Coarseness(number::<u32>(side)?.max(1)),
         ("samples", [count]) => Step::Samples(number::<u32>(count)?.max(1)),
+        ("reference", [by]) => Step::TracedBy(traced_by(by)?),
+        ("judge", [role]) => {
+            let role = role.parse::<Role>().map_err(|error| error.to_string())?;
+            let known = || judged_roles().map(Role::id).collect::<Vec<_>>().join(", ");
+            Step::Judge(judged_roles().find(|known| *known == role).ok_or_else(|| format!("{role} is not judged; these are: {}", known()))?)
+        }
         ("exposure", ["auto"]) => Step::Exposure(None),
         ("exposure", [stops]) => Step::Exposure(Some(number(stops)?)),
         ("light", [index, "on"]) => Step::Light(number(index)?, true),
@@ -121,10 +135,16 @@ fn step(line: &str) -> Result<Step, String> {
         ("expect", ["quiet"]) => Step::ExpectQuiet,
         ("expect", ["picture"]) => Step::ExpectPicture,
         ("expect", ["error", "below", limit]) => Step::ExpectErrorBelow(number(limit)?),
+        ("expect", ["reference", by]) => Step::ExpectTracedBy(traced_by(by)?),
         ("expect", ["steady"]) => Step::ExpectSteady,
         ("mark", []) => Step::Mark,
         _ => return Err(format!("`{line}` is no step")),
     })
+}
+
+fn traced_by(word: &str) -> Result<TracedBy, String> {
+    let found = TracedBy::ALL.into_iter().find(|(name, _)| *name == word).map(|(_, by)| by);
+    found.ok_or_else(|| format!("no tracer is called `{word}`; there are: {}", TracedBy::ALL.map(|(name, _)| name).join(", ")))
 }
 
 fn number<T: std::str::FromStr>(word: &str) -> Result<T, String> {
@@ -161,6 +181,9 @@ mod tests {
             "look 1,2 0,0,0",
             "drop",
             "wait 3",
+            "reference nobody",
+            "judge tone-map",
+            "judge nothing",
         ] {
             let error = parse("s.txt", &format!("wait\n{wrong}")).unwrap_err().to_string();
             assert!(error.starts_with("s.txt: line 2: "), "{error}");

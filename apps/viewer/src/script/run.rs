@@ -7,6 +7,7 @@ use crate::camera::Rig;
 use crate::layout::Layout;
 use crate::metering::Metering;
 use crate::model::Model;
+use crate::reference::TracedBy;
 use crate::save;
 use crate::show::{CHANNELS, Show};
 use crate::stage::Source;
@@ -109,7 +110,9 @@ impl Runner {
                 (Some(_), None) if *step == Step::ExpectSteady => return Err("there is no `mark` before".into()),
                 (Some(now), _) => self.mark = Some(now),
             },
-            Step::ExpectMessage(_) | Step::ExpectQuiet | Step::ExpectPicture | Step::ExpectErrorBelow(_) => expect(step, app)?,
+            Step::ExpectMessage(_) | Step::ExpectQuiet | Step::ExpectPicture | Step::ExpectErrorBelow(_) | Step::ExpectTracedBy(_) => {
+                expect(step, app)?
+            }
             change => apply(change, &mut app.model)?,
         }
         Ok((true, None))
@@ -143,6 +146,8 @@ fn apply(step: &Step, model: &mut Model) -> Result<(), String> {
         Step::Look(from, at) => rig(model)?.look_at(*from, *at),
         Step::Coarseness(side) => model.coarseness = *side,
         Step::Samples(count) => model.spp = *count,
+        Step::TracedBy(by) => model.traced_by = *by,
+        Step::Judge(role) => model.selection.judge(*role),
         Step::Exposure(Some(stops)) => (model.exposure, model.metering) = (*stops, Metering::Fixed),
         Step::Exposure(None) => model.meter(Metering::Following),
         Step::Light(index, on) => {
@@ -177,6 +182,12 @@ fn expect(step: &Step, app: &App) -> Result<(), String> {
             Some(Some(Ok(errors))) => Err(format!("the RMSE of A is {}, not below {limit}", errors.rmse)),
             Some(Some(Err(reason))) => Err(format!("the error of A is not known: {reason}")),
             Some(None) | None => Err("the error of A is not known: nothing was measured".into()),
+        },
+        Step::ExpectTracedBy(by) => match app.model.current_reference().map(|reference| &reference.on_device) {
+            None => Err("there is no reference of what is seen".into()),
+            Some(Err(reason)) if *by == TracedBy::Device => Err(format!("the CPU has traced the reference: {reason}")),
+            Some(Ok(device)) if *by == TracedBy::Cpu => Err(format!("{device} has traced the reference")),
+            Some(_) => Ok(()),
         },
         _ => Ok(()),
     }

@@ -9,7 +9,7 @@ const BRIGHTEST: f32 = 65504.0;
 /// Everything in the scene, seen through one of the snapshot's cameras, that makes its pictures differ from the CPU path tracer's by more than noise. Empty where they
 /// are judges as good as those.
 ///
-/// One difference is in no list: rays start at the triangles of smooth meshes, as without [Hanika21], so coarse meshes shadow themselves near the terminator.
+/// One difference is in no list: rays start at the triangles of smooth meshes, as without \[Hanika21], so coarse meshes shadow themselves near the terminator.
 pub fn not_path_traced(scene: &Scene, snapshot: &Snapshot, camera: usize) -> Vec<Ignored> {
     let mut list = Vec::new();
     let mut say = |place: String, feature: &str, consequence: &str| {

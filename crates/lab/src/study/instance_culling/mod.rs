@@ -1,14 +1,17 @@
 //! Instances that reflections do without.    \[Varjus23] section 7.2
 
+mod device;
 mod rays;
 mod search;
 
 use super::{Bench, Findings, Picture, Plot, Scale, Series, Study, Table};
 use crate::LabError;
+use device::pass_times;
 use glam::UVec2;
 use kajo_image::{Image, ToneMap, tone_map};
 use kajo_path_tracer::{Aov, Filter, Frame, Settings, Stop, Tracer, render, uncontrolled};
 use kajo_scene::{Culling, LoadOptions, Scene, Snapshot, load};
+use kajo_techniques::TraceBackend;
 use kajo_units::{LinearRgb, Meters, Seconds};
 use rays::{Kind, Work, secondary_rays};
 use search::search;
@@ -189,6 +192,17 @@ fn run(bench: &Bench) -> Result<Findings, LabError> {
         }
     };
     tell("all instances", &all);
+    let size = if bench.quick { UVec2::new(64, 36) } else { UVec2::new(320, 180) };
+    let times = |culling: Culling| pass_times(bench.device, &subject.scene, &subject.snapshot, size, culling);
+    let all_times = times(Culling::Off)?;
+    let columns = ["way", "rays by", "ms", "of that with all, %"];
+    let mut passes = Table::new("passes", "Time of the pass `reflection/ray-traced` in the real-time renderer.", &columns);
+    let mut tell_times = |name: &str, times: &[(TraceBackend, f64)]| {
+        for ((backend, ms), (_, all)) in times.iter().zip(&all_times) {
+            passes.row([name.into(), backend.id().into(), (*ms).into(), (100.0 * ms / all).into()]);
+        }
+    };
+    tell_times("all instances", &all_times);
     let mut series = Vec::new();
     // Of the way that leaves out most: share, work, and what it is.
     let mut most: Option<(f64, [Work; 2], String)> = None;
@@ -211,6 +225,8 @@ fn run(bench: &Bench) -> Result<Findings, LabError> {
         };
         let works = work(best.culling)?;
         tell(way.name, &works);
+        let way_times = times(best.culling)?;
+        tell_times(way.name, &way_times);
         if most.as_ref().is_none_or(|(removed, ..)| best.removed > *removed) {
             most = Some((best.removed, works, best.culling.to_string()));
         }
@@ -227,6 +243,12 @@ fn run(bench: &Bench) -> Result<Findings, LabError> {
             );
             let holds = entered[0].iter().zip(entered[1]).all(|(now, before)| *now > 0.98 * before);
             out.claim("What can be left out by solid angle unseen, rays hardly met: they enter as many instances.", holds, measured);
+            // Times are no test.
+            if !bench.quick {
+                let [(backend, now), (_, before)] = [way_times[0], all_times[0]];
+                let measured = format!("{now:.0} ms instead of {before:.0} by {}, {size}", backend.id());
+                out.claim("The pass of reflections takes less time with what solid angle leaves.", now < before, measured);
+            }
         }
     }
     if let Some((removed, works, culling)) = most {
@@ -242,7 +264,7 @@ fn run(bench: &Bench) -> Result<Findings, LabError> {
         let holds = fewer.iter().zip(before).all(|(fewer, before)| *fewer < 0.95 * before);
         out.claim("Rays visit fewer nodes by the way that leaves out most.", holds, measured);
     }
-    out.tables.extend([table, cost]);
+    out.tables.extend([table, cost, passes]);
     out.plots.push(Plot {
         name: "culling".into(),
         caption: "Error of the reflection over the share of instances that are left out.".into(),

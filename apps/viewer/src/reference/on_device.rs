@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 /// Who traces the reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TracedBy {
-    /// The device where it can and is no software adapter, which is slower than the CPU's path tracer; else the CPU.
+    /// The device where it can and is no software adapter, which has the same cores; else the CPU.
     #[default]
     Auto,
     /// The CPU.

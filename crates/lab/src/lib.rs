@@ -32,7 +32,7 @@ pub use look::Look;
 pub use measure::take;
 pub use options::{CompareOptions, ReferenceStop, quoted};
 pub use progress::{Progress, Unwatched};
-pub use progressive::{is_judged_progressively, progressive_judge, progressive_picture, spread_of};
+pub use progressive::{depth_of, is_judged_progressively, progressive_judge, progressive_picture, spread_of};
 pub use reference::{Pictured, ReferencePlan, judged_lights, judged_roles};
 pub use staging::Staging;
 pub use subject::ambient_distance;

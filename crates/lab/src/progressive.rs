@@ -17,6 +17,12 @@ pub fn spread_of(role: Role) -> f32 {
     if role == Role::AntiAlias { 1.0 } else { 0.0 }
 }
 
+/// Most surface bounces of the paths that a role's judge and a picture of this light are made of, of `most` in all: as [`crate::ReferencePlan`] has it.
+pub fn depth_of(role: Role, light: Pictured, most: u32) -> u32 {
+    let bounces = light == Pictured::Whole || matches!(role, Role::DiffuseIndirect | Role::SpecularIndirect);
+    if bounces { most } else { most.min(1) }
+}
+
 /// The judge of a role; `None` where it is not judged so, or its image was not asked for.
 pub fn progressive_judge(role: Role, found: &Radiances) -> Option<Judge> {
     let part = |name: &str, image: &Estimate| {

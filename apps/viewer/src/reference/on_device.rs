@@ -3,7 +3,7 @@
 use super::{Answer, Question, Reference};
 use crate::stage::{Moment, sentence, serial};
 use crate::worker::Desk;
-use kajo_lab::{is_judged_progressively, progressive_judge, progressive_picture, spread_of};
+use kajo_lab::{depth_of, is_judged_progressively, progressive_judge, progressive_picture, spread_of};
 use kajo_render_graph::Device;
 use kajo_renderer::{Error, ProgressivePathTracer, ProgressiveSettings, not_path_traced};
 use kajo_techniques::Role;
@@ -125,10 +125,12 @@ impl OnDevice {
             None => self.device.insert(Device::new()?).clone(),
         };
         let shot = &question.shot;
+        let defaults = ProgressiveSettings::new(shot.size);
         let wanted = ProgressiveSettings {
             spread: spread_of(question.role),
             irradiance: question.role == Role::DiffuseIndirect,
-            ..ProgressiveSettings::new(shot.size)
+            max_depth: depth_of(question.role, question.light, defaults.max_depth),
+            ..defaults
         };
         let fits = |(moment, settings, _): &(Arc<Moment>, ProgressiveSettings, ProgressivePathTracer)| {
             moment.is(&shot.moment) && ProgressiveSettings { size: wanted.size, ..*settings } == wanted

@@ -89,7 +89,7 @@ def main():
         args.pictures.mkdir(parents=True, exist_ok=True)
     theirs, ours = [], []
     for number in range(args.rounds):
-        modes = {mode: bevy(program, args, mode) for mode in ["plain", "cascades", "contact", "ssao", "taa"]}
+        modes = {mode: bevy(program, args, mode) for mode in ["plain", "cascades", "contact", "ssao", "taa", "taa-8-bit"]}
         frame = {mode: out["frame_ms"] for mode, out in modes.items()}
         span = lambda mode, name: next(ms for path, ms in modes[mode]["spans_ms"].items() if f"/{name}/" in path)
         theirs.append({
@@ -97,6 +97,7 @@ def main():
             "contact shadows": frame["contact"] - frame["cascades"],
             "ambient occlusion": span("ssao", "ssao"),
             "TAA": span("taa", "taa"),
+            "TAA, Bevy's in 8 bits": span("taa-8-bit", "taa"),
         })
         with tempfile.TemporaryDirectory() as folder:
             folder = pathlib.Path(folder)
@@ -106,6 +107,7 @@ def main():
             "contact shadows": ms["contact"] - ms["map"],
             "ambient occlusion": ms["ssao"],
             "TAA": ms["taa"],
+            "TAA, Bevy's in 8 bits": ms["taa"],
         })
         print(f"round {number + 1}: Bevy {theirs[-1]}, Kajo {ours[-1]}; Bevy's frames {frame}", flush=True)
     print("\n| pass | Bevy 0.19.1, ms | Kajo, ms | Kajo / Bevy |\n| --- | --- | --- | --- |")

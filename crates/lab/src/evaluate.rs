@@ -210,6 +210,7 @@ pub fn pictures(judge: &Judge, take: &Take, evaluation: &Evaluation, failures: O
         heat_scale: format!("{name} of each pixel: black 0, pale yellow 1{over}"),
         failures: failures.map(|failures| failures.picture(judge)),
         crops,
+        films: vec![],
     }
 }
 

@@ -187,7 +187,7 @@ impl Experiment<'_> {
                 }
                 let run = self.run(&subject, role, choice, judge, renderer.as_mut(), &slug)?;
                 if let (Some((run, _)), Some(sequences)) = (&run, &mut sequences) {
-                    self.watch_motion(*run, sequences, role, choice);
+                    self.watch_motion(*run, sequences, role, choice)?;
                 }
                 evaluated.extend(run);
                 done += 1;
@@ -312,13 +312,26 @@ impl Experiment<'_> {
         Ok(Some((self.report.runs.len() - 1, evaluation)))
     }
 
-    /// Behaviour on moving sequences; a failure there takes nothing from the rest.
-    fn watch_motion(&mut self, run: usize, sequences: &mut Sequences, role: Role, choice: &Choice) {
-        let run = &mut self.report.runs[run];
-        match sequences.measure(role, choice) {
-            Ok(temporal) => run.temporal = Temporal { still_flicker: run.temporal.still_flicker, ..temporal },
-            Err(error) => self.report.warnings.push(format!("{}, {}: no moving sequence: {error}", run.scene, run.label())),
+    /// Behaviour on moving sequences; a failure of the device there takes nothing from the rest.
+    fn watch_motion(&mut self, index: usize, sequences: &mut Sequences, role: Role, choice: &Choice) -> Result<(), LabError> {
+        let run = &mut self.report.runs[index];
+        let (temporal, films) = match sequences.measure(role, choice) {
+            Ok(measured) => measured,
+            Err(error) => {
+                self.report.warnings.push(format!("{}, {}: no moving sequence: {error}", run.scene, run.label()));
+                return Ok(());
+            }
+        };
+        run.temporal = Temporal { still_flicker: run.temporal.still_flicker, ..temporal };
+        for film in &films {
+            let file = format!("{}-{}.png", run.images["png"].trim_end_matches(".png"), film.motion);
+            write_png(&self.staging.place(&file)?, &film.image, &BTreeMap::new())?;
+            run.images.insert(film.motion.to_owned(), file);
         }
+        if let Some(Some(pictures)) = self.pictures.runs.get_mut(index) {
+            pictures.films = films;
+        }
+        Ok(())
     }
 
     fn skip(&mut self, run: Run, reason: &str) {

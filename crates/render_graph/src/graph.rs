@@ -13,12 +13,14 @@ pub struct Pool {
     size: UVec2,
     lights: u32,
     textures: HashMap<&'static str, Arc<Texture>>,
+    /// Slots whose images are not its own.
+    lent: Vec<&'static str>,
 }
 
 impl Pool {
     /// A pool for frames of `size`, with `lights` layers where a slot has one for each light. No image is made yet.
     pub fn new(size: UVec2, lights: u32) -> Self {
-        Self { size, lights: lights.max(1), textures: HashMap::new() }
+        Self { size, lights: lights.max(1), ..Self::default() }
     }
 
     /// Size of every image, px.
@@ -43,6 +45,17 @@ impl Pool {
             if let Some(texture) = other.textures.get(slot.name) {
                 self.textures.insert(slot.name, texture.clone());
             }
+        }
+    }
+
+    /// Images that are lent for one execution, in the place of those of the last.
+    fn borrow(&mut self, lent: Vec<(Slot, Arc<Texture>)>) {
+        for name in self.lent.drain(..) {
+            self.textures.remove(name);
+        }
+        for (slot, texture) in lent {
+            self.textures.insert(slot.name, texture);
+            self.lent.push(slot.name);
         }
     }
 
@@ -91,6 +104,7 @@ pub struct Graph<'a> {
     accesses: Vec<Access>,
     runs: Vec<Run<'a>>,
     imported: Vec<Slot>,
+    lent: Vec<(Slot, Arc<Texture>)>,
 }
 
 impl<'a> Graph<'a> {
@@ -102,6 +116,13 @@ impl<'a> Graph<'a> {
     /// Says that the image of `slot` was made by an earlier execution.
     pub fn import(&mut self, slots: &[Slot]) {
         self.imported.extend(slots);
+    }
+
+    /// Puts an image in the place of the pool's own, until the pool's next execution: a pass that writes `slot` then leaves what its technique keeps without a copy. It has
+    /// the format of the slot and the size of the frame.
+    pub fn lend(&mut self, slot: Slot, texture: Arc<Texture>) {
+        debug_assert_eq!(texture.wgpu.format(), slot.format);
+        self.lent.push((slot, texture));
     }
 
     /// Adds a pass: what it touches, and what it does.
@@ -135,6 +156,7 @@ impl<'a> Graph<'a> {
     /// When there is no order, a pass fails, or the device is lost.
     pub fn execute(self, device: &Device, pool: &mut Pool) -> Result<Timings, Error> {
         let order = order(&self.accesses, &self.imported)?;
+        pool.borrow(self.lent);
         for slot in self.accesses.iter().flat_map(|access| &access.writes) {
             pool.make(device, *slot);
         }

@@ -2,10 +2,10 @@
 //! that Bevy times on the device.
 //!
 //! `bevy-passes FILE.gltf MODE WIDTH HEIGHT SHADOW_MAP FRAMES FOV EX,EY,EZ TX,TY,TZ LX,LY,LZ [PICTURE.png]` with MODE one of `plain`, `cascades`, `contact`,
-//! `ssao`, `taa`; E the eye, T the target, L the direction in which light shines, FOV in degrees.
+//! `ssao`, `taa`, `taa-8-bit`; E the eye, T the target, L the direction in which light shines, FOV in degrees.
 
 use bevy::anti_alias::taa::TemporalAntiAliasing;
-use bevy::camera::RenderTarget;
+use bevy::camera::{Hdr, RenderTarget};
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::VisibilityClass;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass};
@@ -97,7 +97,9 @@ fn main() {
         "plain" | "cascades" => {}
         "contact" => drop(world.entity_mut(camera).insert(ContactShadows::default())),
         "ssao" => drop(world.entity_mut(camera).insert(ScreenSpaceAmbientOcclusion::default())),
-        "taa" => drop(world.entity_mut(camera).insert(TemporalAntiAliasing::default())),
+        // Kajo's pictures are linear radiance: so are Bevy's with `Hdr`.
+        "taa" => drop(world.entity_mut(camera).insert((TemporalAntiAliasing::default(), Hdr))),
+        "taa-8-bit" => drop(world.entity_mut(camera).insert(TemporalAntiAliasing::default())),
         other => panic!("no mode {other}"),
     }
 

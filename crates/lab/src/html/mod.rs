@@ -15,6 +15,7 @@ mod viewer;
 pub(crate) use format::data_uri;
 
 use crate::report::Report;
+use crate::temporal::Film;
 use kajo_image::Image;
 use kajo_units::Srgb8;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -52,6 +53,8 @@ pub struct RunPictures {
     pub failures: Option<Image<Srgb8>>,
     /// Where it fails most.
     pub crops: Vec<CropPictures>,
+    /// Frames of moving sequences.
+    pub films: Vec<Film>,
 }
 
 /// A place of failure, in the pixels of the image.

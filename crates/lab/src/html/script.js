@@ -27,7 +27,7 @@ for (const viewer of document.querySelectorAll(".viewer")) {
   const show = () => {
     const run = pressed(choices).run;
     const view = pressed(views).view;
-    for (const part of viewer.querySelectorAll(".under, .shot, .crops, .scale")) {
+    for (const part of viewer.querySelectorAll(".under, .shot, .crops, .films, .scale")) {
       const otherRun = part.dataset.run !== undefined && part.dataset.run !== run;
       const otherView = part.dataset.view !== undefined && !part.dataset.view.split(" ").includes(view);
       part.hidden = otherRun || otherView;

@@ -27,6 +27,12 @@ fn pictures(report: &Report) -> Pictures {
             heat,
             heat_scale: "black 0, pale yellow 0.5".into(),
             failures: Some(image_of_failures(size)),
+            films: vec![crate::temporal::Film {
+                motion: "light",
+                at: [30, 20],
+                frames: vec![1, 2, 3],
+                image: image_of_failures(UVec2::new(124, 124)),
+            }],
         }
     };
     Pictures {
@@ -97,6 +103,7 @@ fn everything_that_was_asked_for_is_on_the_page() {
         "software adapter",
         "Behaviour over time",
         "8 frames behind",
+        "What moves: light. Frames 1, 2, 3 where they flicker most (column 30, row 20, 2×)",
         "What techniques count",
         "How shadows fail",
         "Umbra, penumbra and light",

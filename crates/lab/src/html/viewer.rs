@@ -4,6 +4,7 @@ use super::classes::legend;
 use super::format::data_uri;
 use super::{Pictures, ReferencePictures, RunPictures};
 use crate::report::{Decision, Report};
+use crate::temporal::FULL_SCALE;
 use kajo_image::Image;
 use kajo_units::Srgb8;
 use maud::{Markup, html};
@@ -50,6 +51,7 @@ pub fn pictures(report: &Report, pictures: &Pictures, decision: Option<&Decision
                 @for (_, i, p) in &shown { span.scale data-view="error" data-run=(i) hidden { (p.heat_scale) } }
             }
             @for (_, i, p) in &shown { (crops(p, *i, *i != first)) }
+            @for (_, i, p) in &shown { (films(p, *i, *i != first)) }
         }
     }
 }
@@ -115,4 +117,28 @@ fn crops(p: &RunPictures, run: usize, hidden: bool) -> Markup {
             @if p.crops.is_empty() { p.note { "No place of this image differs from the reference." } }
         }
     }
+}
+
+/// Frames side by side, in true order; nothing where no sequence was rendered or none flickers.
+fn films(p: &RunPictures, run: usize, hidden: bool) -> Markup {
+    html! {
+        div.films data-run=(run) hidden[hidden] {
+            @for film in &p.films {
+                figure {
+                    div.scroll tabindex="0" role="region" aria-label=(format!("Frames in which this moves: {}", film.motion)) {
+                        img src=(data_uri(&film.image)) width=(2 * film.image.width()) height=(2 * film.image.height())
+                            alt=(format!("Technique, reference and difference at column {}, row {}, frame by frame", film.at[0], film.at[1]));
+                    }
+                    figcaption {
+                        "What moves: " (film.motion) ". Frames " (numbers(&film.frames)) " where they flicker most (column " (film.at[0]) ", row " (film.at[1])
+                        ", 2×): technique, reference, difference (black 0, pale yellow " (FULL_SCALE) " and more)"
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn numbers(frames: &[usize]) -> String {
+    frames.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
 }

@@ -1,6 +1,7 @@
 //! Flicker, ghost and progress, from images alone.
 
 use super::track::{Track, at};
+use glam::UVec2;
 use kajo_image::Image;
 use kajo_units::LinearRgb;
 
@@ -15,27 +16,40 @@ pub fn mean_square(a: &Image<LinearRgb>, b: &Image<LinearRgb>) -> f64 {
     sum / a.pixels().len() as f64
 }
 
-/// Change from frame to frame beyond that of the references: see the module above. `tracks` has one entry less than the images, which may be several of its size
-/// below each other. `None` without a pixel that was seen twice.
-pub fn flicker(images: &[Image<LinearRgb>], references: &[Image<LinearRgb>], tracks: &[Track]) -> Option<f64> {
-    let (mut sum, mut count) = (0.0, 0u64);
-    for (t, track) in tracks.iter().enumerate() {
-        let (now, before) = (&images[t + 1], &images[t]);
-        let (reference, reference_before) = (&references[t + 1], &references[t]);
-        let parts = now.height() / track.height();
-        for part in 0..parts {
-            let top = part * track.height();
-            for (x, y) in (0..track.height()).flat_map(|y| (0..track.width()).map(move |x| (x, y))) {
-                let Some(then) = *track.get(x, y) else { continue };
-                let change = |now: &Image<LinearRgb>, before: &Image<LinearRgb>| {
-                    mean_of(LinearRgb((*now.get(x, y + top) - at(before, then, top, track.size())).0.abs()))
-                };
-                sum += (change(now, before) - change(reference, reference_before)).max(0.0);
-                count += 1;
+/// Change from frame to frame beyond that of the references.
+pub struct Flicker {
+    /// See the module above. `None` without a pixel that was seen twice.
+    pub mean: Option<f64>,
+    /// What each pixel adds to it.
+    pub map: Image<f32>,
+}
+
+impl Flicker {
+    /// `tracks` has one entry less than the images, which may be several of its size below each other.
+    pub fn new(images: &[Image<LinearRgb>], references: &[Image<LinearRgb>], tracks: &[Track]) -> Self {
+        let (mut sum, mut count) = (0.0, 0u64);
+        let size = tracks.first().map_or(UVec2::ZERO, Image::size);
+        let mut map = vec![0.0; size.element_product() as usize];
+        for (t, track) in tracks.iter().enumerate() {
+            let (now, before) = (&images[t + 1], &images[t]);
+            let (reference, reference_before) = (&references[t + 1], &references[t]);
+            let parts = now.height() / size.y;
+            for part in 0..parts {
+                let top = part * size.y;
+                for (pixel, (x, y)) in (0..size.y).flat_map(|y| (0..size.x).map(move |x| (x, y))).enumerate() {
+                    let Some(then) = *track.get(x, y) else { continue };
+                    let change = |now: &Image<LinearRgb>, before: &Image<LinearRgb>| {
+                        mean_of(LinearRgb((*now.get(x, y + top) - at(before, then, top, size)).0.abs()))
+                    };
+                    let beyond = (change(now, before) - change(reference, reference_before)).max(0.0);
+                    sum += beyond;
+                    count += 1;
+                    map[pixel] += beyond as f32;
+                }
             }
         }
+        Self { mean: (count > 0).then(|| sum / count as f64), map: Image::from_pixels(size, map) }
     }
-    (count > 0).then(|| sum / count as f64)
 }
 
 /// Smallest share of the references' brightness by which a pixel must change to count.

@@ -15,6 +15,7 @@
 //!
 //! Images have at most [`LONGEST_SIDE`] px a side: a reference for each frame would else take longer than all the rest of a comparison.
 
+mod film;
 mod metrics;
 mod motions;
 mod track;
@@ -26,6 +27,7 @@ use crate::reference::{judged_lights, references};
 use crate::report::{SequenceError, Temporal};
 use crate::subject::Subject;
 use crate::{CompareOptions, LabError, Progress, ReferenceStop};
+pub use film::{FULL_SCALE, Film};
 use glam::{UVec2, Vec3};
 use kajo_image::{Image, auto_exposure};
 use kajo_path_tracer::Tracer;
@@ -34,7 +36,7 @@ use kajo_renderer::{Error, FrameSettings, Renderer, RendererSettings, RoleSelect
 use kajo_scene::Snapshot;
 use kajo_techniques::Role;
 use kajo_units::LinearRgb;
-use metrics::{flicker, ghost, progress};
+use metrics::{Flicker, ghost, progress};
 use motions::{Motion, motions, step_of_a_light};
 use std::collections::BTreeMap;
 use track::Track;
@@ -123,17 +125,19 @@ impl Sequences {
         Ok(Some(Self { renderer, played, step, next: options.seed as u32, seen }))
     }
 
-    /// What a technique does on them.
+    /// What a technique does on them, and a strip of film from each where it flickers.
     ///
     /// # Errors
     /// When the device fails.
-    pub fn measure(&mut self, role: Role, choice: &Choice) -> Result<Temporal, Error> {
+    pub fn measure(&mut self, role: Role, choice: &Choice) -> Result<(Temporal, Vec<Film>), Error> {
         let selection = RoleSelection::new().with(choice.technique, choice.params.clone());
         let played = std::mem::take(&mut self.played);
-        let mut sequences = Vec::new();
+        let (mut sequences, mut films) = (Vec::new(), Vec::new());
         for sequence in &played {
             if let Some(judges) = sequence.judges.iter().map(|judges| judges.get(role.id())).collect::<Option<Vec<&Judge>>>() {
-                sequences.push(self.play(role, &selection, sequence, &judges)?);
+                let (error, film) = self.play(role, &selection, sequence, &judges)?;
+                sequences.push(error);
+                films.extend(film);
             }
         }
         let judge = played.iter().find_map(|sequence| sequence.judges.first()?.get(role.id()));
@@ -146,17 +150,24 @@ impl Sequences {
             let values: Vec<f64> = sequences.iter().filter_map(of).collect();
             (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
         };
-        Ok(Temporal {
+        let temporal = Temporal {
             flicker: mean(|s| s.flicker),
             ghost: mean(|s| s.ghost),
             lag: (!response.is_empty()).then(|| response.iter().take_while(|way| **way < FOLLOWED).count() as f64),
             response,
             sequences,
             still_flicker: None,
-        })
+        };
+        Ok((temporal, films))
     }
 
-    fn play(&mut self, role: Role, selection: &RoleSelection, sequence: &Sequence, judges: &[&Judge]) -> Result<SequenceError, Error> {
+    fn play(
+        &mut self,
+        role: Role,
+        selection: &RoleSelection,
+        sequence: &Sequence,
+        judges: &[&Judge],
+    ) -> Result<(SequenceError, Option<Film>), Error> {
         let snapshots = &sequence.motion.snapshots;
         self.settle(role, selection, &snapshots[0], judges[0])?;
         let mut images = Vec::new();
@@ -172,12 +183,14 @@ impl Sequences {
             images.iter_mut().chain(&mut references).for_each(shown);
             variances.iter_mut().flatten().for_each(|v| *v = v.map(|c| *c * (scale * scale)));
         }
-        Ok(SequenceError {
+        let Flicker { mean, map } = Flicker::new(&images, &references, &sequence.tracks);
+        let error = SequenceError {
             motion: sequence.motion.name.into(),
-            flicker: flicker(&images, &references, &sequence.tracks),
+            flicker: mean,
             ghost: ghost(&images, &references, variances.as_deref()),
             rmse: (squares / images.len() as f64).sqrt(),
-        })
+        };
+        Ok((error, Film::new(sequence.motion.name, &images, &references, &map)))
     }
 
     /// The way towards the new picture, frame by frame after a light has jumped, to the first that has followed.

@@ -1,4 +1,4 @@
-use super::metrics::{flicker, ghost, progress};
+use super::metrics::{Flicker, ghost, progress};
 use super::track::Track;
 use super::*;
 use crate::progress::Unwatched;
@@ -38,6 +38,10 @@ fn blended(images: &[Image<LinearRgb>], alpha: f32) -> Vec<Image<LinearRgb>> {
         out.push(Image::from_fn(image.size(), |x, y| *last.get(x, y) * (1.0 - alpha) + *image.get(x, y) * alpha));
     }
     out
+}
+
+fn flicker(images: &[Image<LinearRgb>], references: &[Image<LinearRgb>], tracks: &[Track]) -> Option<f64> {
+    Flicker::new(images, references, tracks).mean
 }
 
 fn still(count: usize) -> Vec<Track> {
@@ -139,7 +143,7 @@ fn measured(scene: &str, role: Role, techniques: &[(&str, &[(&str, &str)])], fra
         let technique = kajo_techniques::find(id).unwrap();
         Choice { technique, params: ParamValues::from_pairs(technique.params, params).unwrap() }
     };
-    techniques.iter().map(|technique| sequences.measure(role, &choice(technique)).unwrap()).collect()
+    techniques.iter().map(|technique| sequences.measure(role, &choice(technique)).unwrap().0).collect()
 }
 
 /// Row RM-65: camera, light and thing move; rays forget at once, and flicker less with more of them.

@@ -4,7 +4,7 @@ use super::{History, halton_jitter};
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
 use glam::Vec2;
 use kajo_params::{ParamValues, Params};
-use kajo_render_graph::wgpu::{BufferUsages, TextureFormat};
+use kajo_render_graph::wgpu::BufferUsages;
 use kajo_render_graph::{Access, Bindings, Buffer, ComputePipeline, Graph, PipelineOptions, slot};
 
 /// The technique.
@@ -54,7 +54,7 @@ impl Accumulate {
             params: Params::from_values(values),
             pipeline: ComputePipeline::new(context.device, &shader, "add_frame", options)?,
             uniform: context.device.buffer(TECHNIQUE.id, size_of::<GpuParams>() as u64, usage)?,
-            history: History::new(&[TextureFormat::Rgba32Float]),
+            history: History::default(),
             gathered: None,
         })
     }
@@ -75,12 +75,12 @@ impl Effect for Accumulate {
     }
 
     fn record<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>) {
+        graph.lend(slot::RESOLVED, self.history.after().clone());
         graph.pass(Access::new(TECHNIQUE.id).reads(TECHNIQUE.reads).writes(&[slot::RESOLVED]), move |pass| {
             let own = Bindings::new()
                 .with("params", &self.uniform)
                 .with("color", pass.view(slot::COLOR)?)
-                .with("before", &self.history.before()[0])
-                .with("after", &self.history.after()[0])
+                .with("before", &**self.history.before())
                 .with("resolved", pass.view(slot::RESOLVED)?);
             self.pipeline.dispatch(pass.device, pass.encoder, &frame.shared, &own, frame.size().extend(1))
         });

@@ -4,8 +4,8 @@ use super::{History, halton_jitter};
 use crate::{Effect, Error, FrameContext, MakeContext, Needs, Role, Technique};
 use glam::Vec2;
 use kajo_params::{ParamChoice, ParamValues, Params};
-use kajo_render_graph::wgpu::{self, BufferUsages, TextureFormat};
-use kajo_render_graph::{Access, Bindings, Buffer, Graph, PipelineOptions, RenderPipeline, RenderState, Texture, slot};
+use kajo_render_graph::wgpu::{self, BufferUsages};
+use kajo_render_graph::{Access, Bindings, Buffer, Graph, PipelineOptions, RenderPipeline, RenderState, slot};
 
 /// The technique.
 pub const TECHNIQUE: Technique = Technique {
@@ -13,7 +13,7 @@ pub const TECHNIQUE: Technique = Technique {
     role: Role::AntiAlias,
     title: "Temporal anti-aliasing",
     doc: include_str!("doc.md"),
-    cites: &["Yang20", "Karis14", "Salvi16", "Malvar03", "Catmull74", "Halton64"],
+    cites: &["Yang20", "Karis14", "Salvi16", "Malvar03", "Catmull74", "Jimenez16a", "Halton64"],
     reads: &[slot::COLOR, slot::DEPTH, slot::MOTION, slot::EMISSION],
     needs: Needs::NONE,
     params: Params::SPEC,
@@ -71,13 +71,9 @@ struct GpuParams {
     gamma: f32,
     depth_tolerance: f32,
     exposure: f32,
-    rejection: u32,
     follows: u32,
-    _padding: [u32; 2],
+    _padding: [u32; 3],
 }
-
-/// Images of the history: colour with the number of frames in it, even depth.
-const FORMATS: [TextureFormat; 2] = [TextureFormat::Rgba32Float, TextureFormat::R32Float];
 
 struct Taa {
     params: Params,
@@ -89,63 +85,61 @@ struct Taa {
 impl Taa {
     fn new(context: &MakeContext, values: &ParamValues) -> Result<Self, Error> {
         let shader = context.shader(TECHNIQUE.id, include_str!("taa.wesl"))?;
-        let options = PipelineOptions { list_length: context.textures, ..Default::default() };
+        let params = Params::from_values(values);
+        let constants = [("REJECTION", f64::from(params.rejection as u32))];
+        let options = PipelineOptions { constants: &constants, list_length: context.textures };
         let state = RenderState {
             vertex: "vertex",
             fragment: Some("resolve"),
-            targets: &FORMATS.map(wgpu::ColorTargetState::from),
+            targets: &[slot::RESOLVED.format.into()],
             depth: None,
             primitive: wgpu::PrimitiveState::default(),
         };
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         Ok(Self {
-            params: Params::from_values(values),
+            params,
             pipeline: RenderPipeline::new(context.device, &shader, &state, options)?,
             uniform: context.device.buffer(TECHNIQUE.id, size_of::<GpuParams>() as u64, usage)?,
-            history: History::new(&FORMATS),
+            history: History::default(),
         })
     }
 }
 
 impl Effect for Taa {
     fn prepare(&mut self, frame: &FrameContext) -> Result<(), Error> {
-        let Params { alpha, rejection, gamma, depth_tolerance, weights, .. } = self.params;
+        let Params { alpha, gamma, depth_tolerance, weights, .. } = self.params;
         let params = GpuParams {
             alpha,
             gamma,
             depth_tolerance,
             exposure: if weights == Weights::Display { frame.exposure.exp2() } else { 0.0 },
-            rejection: rejection as u32,
             follows: u32::from(self.history.begin(frame)),
-            _padding: [0; 2],
+            _padding: [0; 3],
         };
         self.uniform.write(&frame.device.queue, bytemuck::bytes_of(&params));
         Ok(())
     }
 
     fn record<'a>(&'a self, frame: &'a FrameContext<'a>, graph: &mut Graph<'a>) {
+        graph.lend(slot::RESOLVED, self.history.after().clone());
         graph.pass(Access::new(TECHNIQUE.id).reads(TECHNIQUE.reads).writes(&[slot::RESOLVED]), move |pass| {
-            let ([colors, depths], [new_colors, new_depths]) = (self.history.before(), self.history.after()) else {
-                unreachable!("prepared: two images a set")
-            };
             let own = Bindings::new()
                 .with("params", &self.uniform)
                 .with("color", pass.view(slot::COLOR)?)
                 .with("depth", pass.view(slot::DEPTH)?)
                 .with("motion", pass.view(slot::MOTION)?)
                 .with("emission", pass.view(slot::EMISSION)?)
-                .with("color_before", colors)
-                .with("depth_before", depths);
+                .with("before", &**self.history.before());
+            // Every pixel is written: there is nothing to clear.
+            let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
+            let view = &pass.view(slot::RESOLVED)?;
             let mut render = pass.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(TECHNIQUE.id),
-                color_attachments: &[attachment(new_colors), attachment(new_depths)],
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })],
                 ..Default::default()
             });
             self.pipeline.set(pass.device, &mut render, &frame.shared, &own)?;
             render.draw(0..3, 0..1);
-            drop(render);
-            let resolved = pass.texture(slot::RESOLVED)?.wgpu.clone();
-            pass.encoder.copy_texture_to_texture(new_colors.wgpu.as_image_copy(), resolved.as_image_copy(), resolved.size());
             Ok(())
         });
     }
@@ -158,12 +152,6 @@ impl Effect for Taa {
     fn history(&self) -> u32 {
         if self.params.alpha < 1.0 { (0.05f32.ln() / (1.0 - self.params.alpha).ln()).ceil() as u32 } else { 1 }
     }
-}
-
-/// The whole image is written anew.
-fn attachment(target: &Texture) -> Option<wgpu::RenderPassColorAttachment<'_>> {
-    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
-    Some(wgpu::RenderPassColorAttachment { view: &target.view, depth_slice: None, resolve_target: None, ops })
 }
 
 #[cfg(test)]

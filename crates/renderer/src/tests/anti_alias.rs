@@ -207,6 +207,21 @@ fn disoccluded_pixels_take_no_history() {
 }
 
 /// Root mean square difference of two pictures as a display may show them.
+/// The picture of a frame is its history: what another technique draws in between has an image of its own.
+#[test]
+fn other_techniques_do_not_draw_over_the_history() {
+    let device = Device::new().unwrap();
+    let scene = builtin::load("shadows").unwrap();
+    let taa = roles("aa/taa", &[]);
+    let size = UVec2::new(64, 36);
+    let unbroken = after(&mut at_rest(&device, &scene, size), &taa, 0, 5);
+    let mut renderer = at_rest(&device, &scene, size);
+    after(&mut renderer, &taa, 0, 4);
+    after(&mut renderer, &roles("aa/fxaa", &[]), 4, 1);
+    let again = after(&mut renderer, &taa, 4, 1);
+    assert_eq!(unbroken.color, again.color);
+}
+
 fn rmse(a: &FrameOutput, b: &FrameOutput) -> f32 {
     let shown = |c: &LinearRgb| c.0.min(Vec3::ONE);
     let sum: f32 = a.color.pixels().iter().zip(b.color.pixels()).map(|(a, b)| (shown(a) - shown(b)).length_squared()).sum();

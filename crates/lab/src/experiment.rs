@@ -324,9 +324,10 @@ impl Experiment<'_> {
         };
         run.temporal = Temporal { still_flicker: run.temporal.still_flicker, ..temporal };
         for film in &films {
-            let file = format!("{}-{}.png", run.images["png"].trim_end_matches(".png"), film.motion);
+            let kind = format!("film-{}", film.motion);
+            let file = format!("{}-{kind}.png", run.images["png"].trim_end_matches(".png"));
             write_png(&self.staging.place(&file)?, &film.image, &BTreeMap::new())?;
-            run.images.insert(film.motion.to_owned(), file);
+            run.images.insert(kind, file);
         }
         if let Some(Some(pictures)) = self.pictures.runs.get_mut(index) {
             pictures.films = films;

@@ -48,10 +48,13 @@ impl Pool {
         }
     }
 
-    /// Images that are lent for one execution, in the place of those of the last.
-    fn borrow(&mut self, lent: Vec<(Slot, Arc<Texture>)>) {
-        for name in self.lent.drain(..) {
-            self.textures.remove(name);
+    /// Puts `lent` images behind their slots. Of `written` slots, those that held one before and are lent none now get an image of their own again.
+    fn borrow<'s>(&mut self, lent: Vec<(Slot, Arc<Texture>)>, written: impl Iterator<Item = &'s Slot>) {
+        for slot in written {
+            if let Some(at) = self.lent.iter().position(|name| *name == slot.name) {
+                self.lent.swap_remove(at);
+                self.textures.remove(slot.name);
+            }
         }
         for (slot, texture) in lent {
             self.textures.insert(slot.name, texture);
@@ -118,8 +121,8 @@ impl<'a> Graph<'a> {
         self.imported.extend(slots);
     }
 
-    /// Puts an image in the place of the pool's own, until the pool's next execution: a pass that writes `slot` then leaves what its technique keeps without a copy. It has
-    /// the format of the slot and the size of the frame.
+    /// Puts an image in the place of the pool's own, until another graph writes `slot`: the pass that writes it now leaves what its technique keeps, without a copy. It has the
+    /// format of the slot and the size of the frame.
     pub fn lend(&mut self, slot: Slot, texture: Arc<Texture>) {
         debug_assert_eq!(texture.wgpu.format(), slot.format);
         self.lent.push((slot, texture));
@@ -156,7 +159,7 @@ impl<'a> Graph<'a> {
     /// When there is no order, a pass fails, or the device is lost.
     pub fn execute(self, device: &Device, pool: &mut Pool) -> Result<Timings, Error> {
         let order = order(&self.accesses, &self.imported)?;
-        pool.borrow(self.lent);
+        pool.borrow(self.lent, self.accesses.iter().flat_map(|access| &access.writes));
         for slot in self.accesses.iter().flat_map(|access| &access.writes) {
             pool.make(device, *slot);
         }

@@ -119,7 +119,7 @@ fn crops(p: &RunPictures, run: usize, hidden: bool) -> Markup {
     }
 }
 
-/// Frames side by side, in true order; nothing where no sequence was rendered or none flickers.
+/// Frames of each moving sequence side by side; nothing where none was rendered or none flickers.
 fn films(p: &RunPictures, run: usize, hidden: bool) -> Markup {
     html! {
         div.films data-run=(run) hidden[hidden] {

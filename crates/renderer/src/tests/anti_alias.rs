@@ -206,7 +206,6 @@ fn disoccluded_pixels_take_no_history() {
     assert!(taken > 0.2, "planted fault: {taken}");
 }
 
-/// Root mean square difference of two pictures as a display may show them.
 /// The picture of a frame is its history: what another technique draws in between has an image of its own.
 #[test]
 fn other_techniques_do_not_draw_over_the_history() {
@@ -222,6 +221,33 @@ fn other_techniques_do_not_draw_over_the_history() {
     assert_eq!(unbroken.color, again.color);
 }
 
+/// A camera comes nearer to a wall by a tenth from one frame to the next, while its light doubles: the history was taken and kept its brightness between pixels where the picture is
+/// the mean of both frames.
+#[test]
+fn what_comes_nearer_keeps_its_history() {
+    let device = Device::new().unwrap();
+    let mut scene = Scene::default();
+    camera(&mut scene, PERSPECTIVE, Vec3::Z * 10.0, Vec3::ZERO);
+    place(&mut scene, shapes::rectangle(100.0, 100.0), lambert(0.5), Affine3A::IDENTITY);
+    light(&mut scene, LightShape::Directional { half_angle: Default::default() }, 1.0, Vec3::ZERO, Vec3::NEG_Z);
+    let far = Snapshot::new(&scene, START);
+    let mut near = far.clone();
+    near.cameras[0].world_from_view.w_axis.z = 9.0;
+    near.lights[0].light.emission = LinearRgb::splat(2.0);
+    let size = UVec2::new(48, 32);
+    let mut renderer = Renderer::new(&device, &scene, &far, RendererSettings::new(size)).unwrap();
+    let roles = roles("aa/taa", &[("rejection", "none")]);
+    after(&mut renderer, &roles, 0, 1);
+    renderer.set_snapshot(&near, &far).unwrap();
+    let picture = after(&mut renderer, &roles, 1, 1).color;
+    for (x, y) in (0..size.y).flat_map(|y| (0..size.x).map(move |x| (x, y))) {
+        let mean = 1.5 * 0.5 / PI;
+        let value = picture.get(x, y).0.x;
+        assert!((value / mean - 1.0).abs() < 1e-4, "({x}, {y}): {value}, not {mean}");
+    }
+}
+
+/// Root mean square difference of two pictures as a display may show them.
 fn rmse(a: &FrameOutput, b: &FrameOutput) -> f32 {
     let shown = |c: &LinearRgb| c.0.min(Vec3::ONE);
     let sum: f32 = a.color.pixels().iter().zip(b.color.pixels()).map(|(a, b)| (shown(a) - shown(b)).length_squared()).sum();
